@@ -1,1 +1,25 @@
-//! x
+//! Scenes for Lumivox: meshes, materials, lights and cameras, the importers that read them from files, and the
+//! procedural scenes that need no file. No GPU in here.
+//!
+//! - [`load`] is the front door: `"builtin:NAME"`, `"builtin:NAME:DETAIL"` or a path.
+//! - [`load_bytes`] reads untrusted bytes within stated [`Limits`].
+//! - Every problem of a file is a [`SceneError`] that names the file and the reason; what was merely left out is
+//!   counted in [`Scene::report`].
+//!
+//! Units and axes are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709. Lights are radiometric:
+//! W/sr for point and spot, W/m2 for directional, W/(m2 sr) for emission, rectangles and the sky.
+
+pub mod builtin;
+mod error;
+mod import;
+mod limits;
+mod mesh;
+mod report;
+mod scene;
+
+pub use error::SceneError;
+pub use import::{EXTENSIONS, load, load_bytes, load_with};
+pub use limits::Limits;
+pub use mesh::Mesh;
+pub use report::ImportReport;
+pub use scene::{AlphaMode, Camera, Instance, Light, Material, Scene, SpotFalloff, Texture, Wrap};

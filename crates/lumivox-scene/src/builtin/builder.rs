@@ -1,0 +1,148 @@
+//! What the built-in scenes are made with: a [`Builder`] for one mesh and a [`SceneBuilder`] for the whole.
+
+use glam::{Mat4, Quat, Vec2, Vec3};
+
+use crate::{Camera, Instance, Light, Material, Mesh, Scene};
+
+/// Collects the triangles of one mesh. Surfaces are added with smooth or face normals as their shape asks for.
+#[derive(Debug, Default)]
+pub(super) struct Builder {
+    mesh: Mesh,
+}
+
+impl Builder {
+    /// One vertex; returns its number.
+    pub(super) fn vertex(&mut self, position: Vec3, normal: Vec3, uv: Vec2, color: Vec3) -> u32 {
+        let m = &mut self.mesh;
+        m.positions.push(position.to_array());
+        m.normals.push(normal.normalize_or(Vec3::Y).to_array());
+        m.uvs.push(uv.to_array());
+        m.colors.push(color.extend(1.0).to_array());
+        m.positions.len() as u32 - 1
+    }
+
+    /// A sheet of `steps` cells: `surface(s, t)` gives position and normal for `s, t` in 0..1, neighbours share vertices.
+    pub(super) fn sheet(&mut self, steps: [u32; 2], color: Vec3, surface: impl Fn(f32, f32) -> (Vec3, Vec3)) {
+        let [n, m] = steps.map(|s| s.max(1));
+        let first = self.mesh.positions.len() as u32;
+        for j in 0..=m {
+            for i in 0..=n {
+                let (s, t) = (i as f32 / n as f32, j as f32 / m as f32);
+                let (p, normal) = surface(s, t);
+                self.vertex(p, normal, Vec2::new(s, t), color);
+            }
+        }
+        for j in 0..m {
+            for i in 0..n {
+                let a = first + j * (n + 1) + i;
+                let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
+                self.mesh.indices.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+
+    /// A flat parallelogram of `steps` cells with the normal `u x v`.
+    pub(super) fn grid(&mut self, origin: Vec3, u: Vec3, v: Vec3, steps: [u32; 2], color: Vec3) {
+        let normal = u.cross(v);
+        self.sheet(steps, color, |s, t| (origin + s * u + t * v, normal));
+    }
+
+    /// A box turned about Y by `angle` radians, each face in `steps` x `steps` cells.
+    pub(super) fn block(&mut self, center: Vec3, size: Vec3, angle: f32, steps: u32, color: Vec3) {
+        let turn = Quat::from_rotation_y(angle);
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            for side in [axis, -axis] {
+                let u = Vec3::new(axis.y, axis.z, axis.x);
+                let v = side.cross(u);
+                let corner = 0.5 * size * (side - u - v);
+                self.grid(center + turn * corner, turn * (u * size), turn * (v * size), [steps; 2], color);
+            }
+        }
+    }
+
+    /// A box between two corners, not subdivided.
+    pub(super) fn slab(&mut self, min: Vec3, max: Vec3, color: Vec3) {
+        self.block(0.5 * (min + max), max - min, 0.0, 1, color);
+    }
+
+    /// A body turned about the vertical through `foot`: the `profile` lists `(radius, height)` from bottom to top.
+    /// Edges of the profile are sharp where it bends by more than about 30 degrees.
+    pub(super) fn lathe(&mut self, foot: Vec3, profile: &[Vec2], sides: u32, color: Vec3) {
+        let slope = |i: usize| (profile[i + 1] - profile[i]).normalize_or(Vec2::Y);
+        let last = profile.len() - 2;
+        for i in 0..=last {
+            let here = slope(i);
+            // The tangent at an end: shared with the neighbour unless the edge between them is sharp.
+            let joined = |other: Vec2| if here.dot(other) > 0.86 { here + other } else { here };
+            let low = if i > 0 { joined(slope(i - 1)) } else { here };
+            let high = if i < last { joined(slope(i + 1)) } else { here };
+            let (a, b) = (profile[i], profile[i + 1]);
+            self.sheet([sides, 1], color, |s, t| {
+                // Downwards in angle, so that the outside is the front.
+                let (sin, cos) = (-s * std::f32::consts::TAU).sin_cos();
+                let around = |r: f32, y: f32| Vec3::new(r * cos, y, r * sin);
+                let p = a.lerp(b, t);
+                let tangent = low.lerp(high, t);
+                (foot + around(p.x, p.y), around(tangent.y, -tangent.x))
+            });
+        }
+    }
+}
+
+/// Collects a scene; every mesh stands once, where its coordinates say.
+#[derive(Debug, Default)]
+pub(super) struct SceneBuilder {
+    scene: Scene,
+}
+
+impl SceneBuilder {
+    /// Adds a material; returns its index.
+    pub(super) fn material(&mut self, material: Material) -> usize {
+        self.scene.materials.push(material);
+        self.scene.materials.len() - 1
+    }
+
+    /// Adds a mesh with one instance; an empty one is left out.
+    pub(super) fn add(&mut self, name: &str, builder: Builder, material: usize) {
+        if builder.mesh.indices.is_empty() {
+            return;
+        }
+        let mesh = self.scene.meshes.len();
+        self.scene.meshes.push(Mesh { name: name.to_owned(), material, ..builder.mesh });
+        self.scene.instances.push(Instance { mesh, world_from_local: Mat4::IDENTITY });
+    }
+
+    pub(super) fn light(&mut self, light: Light) {
+        self.scene.lights.push(light);
+    }
+
+    pub(super) fn camera(&mut self, camera: Camera) {
+        self.scene.cameras.push(camera);
+    }
+
+    pub(super) fn sky(&mut self, radiance: Vec3) {
+        self.scene.sky = radiance;
+    }
+
+    pub(super) fn finish(self) -> Scene {
+        self.scene
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_are_wound_outwards_and_agree_with_their_normals() {
+        let mut b = Builder::default();
+        b.block(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), 0.4, 2, Vec3::ONE);
+        b.lathe(Vec3::ZERO, &[Vec2::new(1.0, -1.0), Vec2::new(2.0, 0.0), Vec2::new(1.0, 1.0)], 8, Vec3::ONE);
+        for t in &b.mesh.indices {
+            let [p, q, r] = t.map(|i| Vec3::from(b.mesh.positions[i as usize]));
+            let n = (q - p).cross(r - p);
+            assert!(n.dot(p + q + r) > 0.0);
+            assert!(t.iter().all(|&i| n.dot(b.mesh.normals[i as usize].into()) > 0.0));
+        }
+    }
+}

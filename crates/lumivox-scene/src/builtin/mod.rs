@@ -1,0 +1,99 @@
+//! Scenes made by code. Each takes a detail level from 0 to [`MAX_DETAIL`] that sets its number of triangles and
+//! nothing else: the shapes stay where they are.
+
+mod atrium;
+mod builder;
+mod cornell;
+mod furnace;
+
+pub use atrium::{atrium, atrium_camera_path};
+pub use cornell::cornell;
+pub use furnace::furnace;
+
+use crate::{Scene, SceneError};
+
+/// The scenes that `builtin:NAME` knows.
+pub const NAMES: &[&str] = &["atrium", "cornell", "furnace"];
+
+/// The finest detail level; larger numbers mean the same.
+pub const MAX_DETAIL: u32 = 4;
+
+/// The detail level of `builtin:NAME`.
+pub const DEFAULT_DETAIL: u32 = 2;
+
+/// The scene of `NAME` or `NAME:DETAIL`.
+///
+/// # Errors
+/// If the name or the detail level is unknown.
+pub fn by_name(name: &str) -> Result<Scene, SceneError> {
+    let (name, detail) = match name.split_once(':') {
+        Some((name, given)) => (name, Some(given)),
+        None => (name, None),
+    };
+    let make = match name {
+        "atrium" => atrium,
+        "cornell" => cornell,
+        "furnace" => furnace,
+        _ => return Err(SceneError::UnknownBuiltin { name: name.to_owned() }),
+    };
+    match detail {
+        None => Ok(make(DEFAULT_DETAIL)),
+        Some(given) => match given.parse() {
+            Ok(detail) if detail <= MAX_DETAIL => Ok(make(detail)),
+            _ => Err(SceneError::BadDetail { name: name.to_owned(), given: given.to_owned() }),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn every_name_makes_a_sound_scene_that_grows_with_detail() {
+        for name in NAMES {
+            let mut last = 0;
+            for detail in 0..=MAX_DETAIL {
+                let scene = by_name(&format!("{name}:{detail}")).unwrap();
+                let count = scene.triangle_count();
+                assert!(count > last, "{name}:{detail} has {count} triangles, one level down {last}");
+                last = count;
+                check_sound(name, &scene);
+            }
+            assert_eq!(
+                by_name(name).unwrap().triangle_count(),
+                by_name(&format!("{name}:2")).unwrap().triangle_count()
+            );
+        }
+    }
+
+    fn check_sound(name: &str, scene: &Scene) {
+        assert!(!scene.cameras.is_empty(), "{name}");
+        assert_eq!(scene.report, crate::ImportReport::default());
+        for mesh in &scene.meshes {
+            let count = mesh.positions.len();
+            assert_eq!([mesh.normals.len(), mesh.uvs.len(), mesh.colors.len()], [count; 3]);
+            assert!(mesh.positions.iter().flatten().all(|v| v.is_finite()), "{name} {}", mesh.name);
+            assert!(mesh.normals.iter().all(|&n| Vec3::from(n).is_normalized()), "{name} {}", mesh.name);
+            assert!(mesh.indices.iter().flatten().all(|&i| (i as usize) < count));
+            assert!(mesh.material < scene.materials.len());
+        }
+        for m in &scene.materials {
+            assert!(m.base_color.min_element() >= 0.0 && m.base_color.max_element() <= 1.0);
+        }
+        for c in &scene.cameras {
+            assert!((c.target - c.eye).cross(c.up).length() > 1e-3, "{name}: camera looks along its up");
+            assert!(scene.bounds().size().max_element() > 1.0);
+        }
+    }
+
+    #[test]
+    fn wrong_names_and_details_say_what_is_known() {
+        let text = by_name("palace").unwrap_err().to_string();
+        assert_eq!(text, "there is no built-in scene 'palace'; known are atrium, cornell, furnace");
+        for bad in ["cornell:5", "cornell:-1", "cornell:", "cornell:two", "cornell:1:1"] {
+            assert!(by_name(bad).unwrap_err().to_string().contains("from 0 to 4"), "{bad}");
+        }
+    }
+}

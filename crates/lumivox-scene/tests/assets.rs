@@ -1,0 +1,2 @@
+//! Scenes from the folder `LUMIVOX_ASSETS`.
+fn main() {}
