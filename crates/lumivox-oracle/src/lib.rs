@@ -1,1 +1,22 @@
-//! x
+//! Slow, obviously right references that tests and comparisons measure against.
+//!
+//! Every part knows [`lumivox_core`] alone and never what it judges: meshes come in as borrowed triangles, scenes as
+//! this crate's own plain [`scene::Scene`].
+//!
+//! - [`voxels`]: the exact, the thin and the sampled voxel set of a mesh in double precision, with the margin of each
+//!   verdict, and the difference between two sets;
+//! - [`tracer`]: a path tracer for Lambertian scenes that keeps direct light, the first bounce and all bounces apart;
+//! - [`distance`]: distances between a point set and a mesh, both ways;
+//! - [`closed_form`]: light transport with known answers;
+//! - [`metrics`]: how far one picture is from another.
+//!
+//! Conventions are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709; light in radiometric units.
+
+//pub mod closed_form;
+//pub mod distance;
+//pub mod metrics;
+//pub mod scene;
+#[cfg(test)]
+mod shapes;
+//pub mod tracer;
+pub mod voxels;
