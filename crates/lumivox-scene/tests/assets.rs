@@ -1,2 +1,126 @@
-//! Scenes from the folder `LUMIVOX_ASSETS`.
-fn main() {}
+//! Real and deliberately broken models from the folder that `LUMIVOX_ASSETS` names.
+//!
+//! Without the variable every test is reported as ignored, with that reason in its name; with
+//! `LUMIVOX_REQUIRE_ASSETS=1` its absence fails instead.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use lumivox_scene::{Scene, load};
+
+/// Longest that a broken file may take to be understood or refused.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Files and their triangles over all instances, as another program counts them.
+const COUNTS: &[(&str, u64)] = &[
+    ("scenes/sponza_dabrovic/sponza.glb", 66_445),
+    ("scenes/sibenik/sibenik.glb", 71_326),
+    ("scenes/country_kitchen/kitchen.glb", 1_021_813),
+    ("scenes/staircase2/staircase2.glb", 31_087),
+    ("scenes/zdm2/zdm2.glb", 58_772),
+    ("scenes/godot_room/room.glb", 63_720),
+    ("scenes/godot_living_room/living_room.glb", 5_088),
+    ("scenes/samurai_monastery/samurai_monastery.glb", 124_789),
+    ("scenes/cornell_box/CornellBox.glb", 36),
+    ("meshes/oak_tree.glb", 160_146),
+    ("animated/Fox.glb", 576),
+    ("animated/CesiumMan.glb", 4_672),
+    ("animated/RiggedFigure.glb", 256),
+];
+
+fn main() -> ExitCode {
+    let args = Arguments::from_args();
+    let required = std::env::var("LUMIVOX_REQUIRE_ASSETS").is_ok_and(|v| v == "1");
+    let folder = std::env::var_os("LUMIVOX_ASSETS").map(PathBuf::from).filter(|p| p.is_dir());
+    let mut trials = Vec::new();
+    let mut add = |name: String, test: Box<dyn FnOnce(&Path) -> Result<(), Failed> + Send>| {
+        trials.push(match folder.clone() {
+            Some(folder) => Trial::test(name, move || test(&folder)),
+            None if required => Trial::test(name, || Err("LUMIVOX_ASSETS names no folder".into())),
+            None => Trial::test(format!("{name} (needs LUMIVOX_ASSETS)"), || Ok(())).with_ignored_flag(true),
+        });
+    };
+    for &(file, triangles) in COUNTS {
+        add(format!("counts of {file}"), Box::new(move |folder| counts(&folder.join(file), triangles)));
+    }
+    add("every nasty file ends well".to_owned(), Box::new(|folder| nasty(&folder.join("nasty"))));
+    libtest_mimic::run(&args, trials).exit_code()
+}
+
+fn counts(path: &Path, triangles: u64) -> Result<(), Failed> {
+    let scene = load(&path.display().to_string()).map_err(|e| e.to_string())?;
+    check_sound(&scene)?;
+    let report = &scene.report;
+    if report.dropped_vertices != 0 || !report.missing_textures.is_empty() {
+        return Err(format!("{report:?}").into());
+    }
+    match scene.triangle_count() {
+        n if n == triangles => Ok(()),
+        n => Err(format!("{n} triangles instead of {triangles}; {report:?}").into()),
+    }
+}
+
+/// What every scene that comes back promises, however broken its file was.
+fn check_sound(scene: &Scene) -> Result<(), Failed> {
+    for mesh in &scene.meshes {
+        let count = mesh.positions.len();
+        let same = [mesh.normals.len(), mesh.uvs.len(), mesh.colors.len()] == [count; 3];
+        let finite = mesh.positions.iter().flatten().all(|v| v.is_finite());
+        let unit = mesh.normals.iter().all(|n| (n.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-3);
+        let in_range = mesh.indices.iter().flatten().all(|&i| (i as usize) < count);
+        if !(same && finite && unit && in_range && mesh.material < scene.materials.len()) {
+            let name = &mesh.name;
+            return Err(format!("mesh '{name}': {same} {finite} {unit} {in_range}").into());
+        }
+    }
+    let textures = scene.materials.iter().flat_map(|m| [m.base_color_texture, m.emission_texture]);
+    if textures.flatten().any(|t| t >= scene.textures.len()) {
+        return Err("a material shows a texture that is not there".into());
+    }
+    if scene.instances.iter().any(|i| i.mesh >= scene.meshes.len() || !i.world_from_local.is_finite()) {
+        return Err("an instance is out of range or not finite".into());
+    }
+    Ok(())
+}
+
+fn nasty(folder: &Path) -> Result<(), Failed> {
+    let mut files = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(&folder)? {
+            let path = entry?.path();
+            if path.is_dir() { open.push(path) } else { files.push(path) }
+        }
+    }
+    files.sort();
+    if files.len() < 50 {
+        return Err(format!("only {} files in {}", files.len(), folder.display()).into());
+    }
+    let mut wrong = Vec::new();
+    for path in files {
+        let name = path.display().to_string();
+        let start = Instant::now();
+        let result = std::panic::catch_unwind(|| load(&name));
+        let took = start.elapsed();
+        let short = path.strip_prefix(folder).unwrap_or(&path).display().to_string();
+        match result {
+            Err(_) => wrong.push(format!("{short}: panic")),
+            Ok(_) if took > PATIENCE => wrong.push(format!("{short}: took {took:?}")),
+            Ok(Err(e)) => {
+                println!("{short}: {e}");
+                if !e.to_string().contains(path.file_stem().and_then(|s| s.to_str()).unwrap_or_default()) {
+                    wrong.push(format!("{short}: the message does not name the file: {e}"));
+                }
+            }
+            Ok(Ok(scene)) => {
+                println!("{short}: {} triangles, {:?}", scene.triangle_count(), scene.report);
+                if let Err(e) = check_sound(&scene) {
+                    wrong.push(format!("{short}: {}", e.message().unwrap_or_default()));
+                }
+            }
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n").into()) }
+}

@@ -3,8 +3,10 @@
 //! A file passes, in this order: its extension, the size cap, the importer's own checks of counts and ranges, the
 //! third-party parser inside [`guard::fenced`], and the common cleaning in [`crate::mesh`].
 
+mod gltf;
 mod guard;
 mod source;
+mod texture;
 
 use std::path::Path;
 
@@ -75,7 +77,9 @@ fn check_extension(name: &str) -> Result<(), SceneError> {
     Err(SceneError::UnknownExtension { file: name.to_owned(), extension })
 }
 
-fn import(source: &Source, _bytes: &[u8], _limits: &Limits) -> Result<Scene, SceneError> {
-    check_extension(source.name())?;
-    Ok(Scene::default())
+fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<Scene, SceneError> {
+    match extension(source.name()).as_str() {
+        ".glb" | ".gltf" => gltf::import(source, bytes, limits),
+        _ => check_extension(source.name()).map(|()| Scene::default()),
+    }
 }
