@@ -1,1 +1,62 @@
-//! x
+//! **Lumivox** turns what a renderer already has (G-buffers, shadow views, triangles) into voxel volumes on any GPU,
+//! and lights scenes with them: real-time, dynamic, no ray-tracing hardware, no baking.
+//!
+//! ```text
+//! G-buffer (camera), RSM (each light)                            the host renders these
+//!    |
+//!    +-- progressive::cleanup     cells that a depth image proves empty are cleared
+//!    +-- progressive::injection   surface points become cells; light that leaves them is summed per light
+//!           |
+//!           v
+//!      VolumeBuffer (normal + occupancy, albedo, emission)  +  direct light (SH)
+//!           |
+//!           +-- light::transport      which faces of a cell let light out
+//!           +-- light::seed           light that leaves surfaces, as flux
+//!           +-- light::propagation    through empty cells, reflected at occupied ones, n times
+//!           +-- light::reconstruction irradiance at every pixel of the G-buffer
+//!                  |
+//!                  v
+//!             irradiance texture: the host multiplies by albedo / pi and adds it
+//! ```
+//!
+//! **Contract with a host.** Every stage records into the host's `CommandEncoder`. Nothing submits, waits, maps or
+//! allocates inside a frame; pipelines are made beforehand. Results are textures and buffers. Everything runs on
+//! [`Tier::Core`](gpu::Tier::Core): WebGPU with default limits.
+//!
+//! | paper | module |
+//! | --- | --- |
+//! | *Progressive Screen-Space Multichannel Surface Voxelization*, 6.2 and 6.3; dissertation chapter 7 | [`progressive`] |
+//! | dissertation chapter 5: volume-based indirect light | [`light`] |
+//! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
+
+// The macros of this crate name it from outside and from inside.
+extern crate self as lumivox;
+
+pub mod gpu;
+pub mod light;
+pub mod progressive;
+pub mod volume;
+pub mod wgsl;
+
+pub use bytemuck;
+pub use glam;
+pub use lumivox_core as core;
+pub use volume::VolumeBuffer;
+pub use wgpu;
+
+/// Every shader of this crate, for validation and for reading.
+pub fn shaders() -> Vec<gpu::Shader> {
+    [progressive::shaders(), light::shaders()].concat()
+}
+
+/// Every struct of this crate that has a twin in WGSL: name, size and fields.
+pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
+    fn entry<T: gpu::GpuStruct>() -> (&'static str, usize, &'static [gpu::Field]) {
+        (T::NAME, size_of::<T>(), T::FIELDS)
+    }
+    vec![
+        entry::<wgsl::GridUniform>(),
+        entry::<wgsl::ViewUniform>(),
+        entry::<light::PropagationUniform>(),
+    ]
+}

@@ -1,0 +1,80 @@
+//! Shader sources and the names of what they bind.
+//!
+//! A shader is plain WGSL: the shared modules it uses ([`crate::wgsl`]: pure functions and structs, no bindings) followed
+//! by its own file, which stands beside the Rust file of the same stem. All parts are compiled in. The joined text is
+//! valid WGSL as it is: a host or a browser needs no tool of ours to read it. Line numbers in messages count through
+//! the joined text, which [`Shader::source`] gives.
+
+/// A named shader.
+#[derive(Clone, Copy, Debug)]
+pub struct Shader {
+    /// Path-like name, for example `progressive/cleanup`.
+    pub name: &'static str,
+    /// The texts it is joined from, its own file last.
+    pub parts: &'static [&'static str],
+}
+
+/// A resource that a shader declares.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShaderBinding {
+    /// `@group`.
+    pub group: u32,
+    /// `@binding`.
+    pub binding: u32,
+    /// Name of the variable.
+    pub name: &'static str,
+    /// Whether the shader may write it.
+    pub writes: bool,
+}
+
+impl Shader {
+    /// The joined WGSL.
+    pub fn source(&self) -> String {
+        self.parts.join("\n")
+    }
+
+    /// What the shader binds, read from its declarations. Each stands on one line, in the form
+    /// `@group(G) @binding(B) var<..> name: type;`; a test compares the result with naga's reading of the same text.
+    pub fn bindings(&self) -> Vec<ShaderBinding> {
+        self.parts.iter().flat_map(|p| p.lines()).filter_map(parse_binding).collect()
+    }
+}
+
+fn parse_binding(line: &'static str) -> Option<ShaderBinding> {
+    let rest = line.trim().strip_prefix("@group(")?;
+    let (group, rest) = rest.split_once(") @binding(")?;
+    let (binding, rest) = rest.split_once(") var")?;
+    let (space, rest) = match rest.strip_prefix('<') {
+        Some(rest) => rest.split_once('>')?,
+        None => ("", rest),
+    };
+    let (name, kind) = rest.split_once(':')?;
+    let writes = space.contains("read_write") || kind.trim_start().starts_with("texture_storage");
+    Some(ShaderBinding {
+        group: group.trim().parse().ok()?,
+        binding: binding.trim().parse().ok()?,
+        name: name.trim(),
+        writes,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_names_numbers_and_access() {
+        let shader = Shader {
+            name: "test",
+            parts: &["@group(0) @binding(2) var<storage, read_write> cells_out: array<vec2u>;\n\
+                     // @group(0) @binding(9) var nothing: texture_2d<f32>;\n\
+                     @group(1) @binding(0) var depth: texture_depth_2d;\n\
+                     @group(0) @binding(3) var<uniform> grid: Grid;"],
+        };
+        let bindings = shader.bindings();
+        assert_eq!(bindings.len(), 3);
+        assert_eq!(bindings[0], ShaderBinding { group: 0, binding: 2, name: "cells_out", writes: true });
+        assert_eq!(bindings[1], ShaderBinding { group: 1, binding: 0, name: "depth", writes: false });
+        assert!(!bindings[2].writes);
+    }
+}

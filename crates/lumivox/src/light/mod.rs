@@ -1,0 +1,197 @@
+//! Volume-based indirect light: direct light leaves surface cells, travels through empty ones, is reflected where it meets
+//! occupied ones, and is gathered by the pixels of a G-buffer.
+//!
+//! Source: dissertation chapter 5, *Interactive volume-based indirect illumination of dynamic scenes*; section 6.3 of the
+//! progressive voxelization paper for its use with views.
+//!
+//! | stage | does |
+//! | --- | --- |
+//! | `transport` | for each cell: occupied or empty, open faces, normal, albedo |
+//! | `seed` | direct and emitted light of occupied cells becomes flux; sky enters at the grid's boundary |
+//! | `propagation` | one step: every cell gathers from its six neighbours (equation 11) |
+//! | `reconstruction` | irradiance at a pixel from the occupied cells around it (equations 12 to 15) |
+//!
+//! **Energy.** The flux that leaves a cell is split over its six faces in shares that sum to one, an occupied cell returns
+//! its albedo's part of what it receives, and what leaves the grid is gone; so a step never creates energy, and every
+//! stage is linear in light.
+//!
+//! **Where the text leaves room.** Normalisation: cones are scaled to share a cell's flux exactly. Empty cells pass light
+//! on with the persistence of [`LightSettings::persistence`]; a cosine lobe, as light propagation volumes use, loses
+//! 43 % of its direction in every step, so that most light diffuses back to where it came from. Occupied cells send light out of open
+//! faces only, shared by the stored normal, instead of into the neighbouring cells of the same wall. Reflection is Lambertian
+//! about the stored normal, on the side that the light came from.
+//!
+//! **Limits.** Four coefficients blur directions: there are no sharp indirect shadows. Walls must be one cell thick or more to hold
+//! light back, and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
+//! tier (48 bytes of incident light per cell).
+
+mod propagation;
+mod reconstruction;
+mod seed;
+mod transport;
+
+use glam::Vec3;
+
+use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
+use crate::progressive::{DirectLight, ViewInput};
+use crate::volume::{VolumeBuffer, check_grid};
+
+pub use reconstruction::IRRADIANCE_FORMAT;
+
+/// Bytes of a cell's propagation state: three bands of four half floats.
+const STATE_BYTES: u64 = 24;
+/// Bytes of a cell's transport properties.
+const TRANSPORT_BYTES: u64 = 16;
+/// Bytes of a cell's incident light: three bands of four floats. Half floats would lose the small contributions of
+/// late iterations against the sum of the early ones.
+const INCIDENT_BYTES: u64 = 48;
+
+/// How light propagates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSettings {
+    /// How much of its direction light keeps in one step through an empty cell, 0 to 1. Low values diffuse: light stays near the
+    /// surfaces it left (0.57 is the cosine lobe of light propagation volumes). High values carry it across a
+    /// room; at 1 a step conserves energy and momentum, and overshoot makes faint ripples.
+    pub persistence: f32,
+    /// Radiance that enters the grid from outside, W/(m2 sr).
+    pub sky: Vec3,
+}
+
+impl Default for LightSettings {
+    fn default() -> Self {
+        Self { persistence: 0.95, sky: Vec3::ZERO }
+    }
+}
+
+crate::gpu_struct! {
+    /// [`LightSettings`] as shaders see it.
+    pub struct PropagationUniform {
+        /// Radiance of the sky.
+        pub sky: Vec3,
+        /// Band-1 to band-0 ratio of the lobes that empty cells pass on.
+        pub lobe_ratio: f32,
+    }
+}
+
+impl From<&LightSettings> for PropagationUniform {
+    fn from(settings: &LightSettings) -> Self {
+        // A lobe of unit flux with ratio r carries 2 * FACE_FLUX1 * Y0 * r of net flux through opposite faces.
+        const NET_FLUX_PER_RATIO: f32 = 2.0 * 0.873_53 * lumivox_core::sh::Y0;
+        Self { sky: settings.sky, lobe_ratio: settings.persistence.clamp(0.0, 1.0) / NET_FLUX_PER_RATIO }
+    }
+}
+
+/// The light of one volume: its stages and what they keep.
+#[derive(Debug)]
+pub struct IndirectLight {
+    transport_pass: transport::Transport,
+    seed_pass: seed::Seed,
+    propagation_pass: propagation::Propagation,
+    reconstruction_pass: reconstruction::Reconstruction,
+    settings: Uniform<PropagationUniform>,
+    transport: Buffer,
+    incident: Buffer,
+    state: Buffer,
+    next_state: Buffer,
+}
+
+impl IndirectLight {
+    /// Compiles the stages and makes room for the light of `volume`'s cells: 112 bytes each.
+    pub fn new(gpu: &Gpu, volume: &VolumeBuffer) -> Result<Self, GpuError> {
+        check_grid(gpu, "the incident light of a volume", volume.grid(), INCIDENT_BYTES)?;
+        let cells = volume.grid().cell_count();
+        Ok(Self {
+            transport_pass: transport::Transport::new(gpu),
+            seed_pass: seed::Seed::new(gpu),
+            propagation_pass: propagation::Propagation::new(gpu),
+            reconstruction_pass: reconstruction::Reconstruction::new(gpu),
+            settings: Uniform::new(gpu, "light/settings", &(&LightSettings::default()).into()),
+            transport: Buffer::storage(gpu, "light/transport", cells * TRANSPORT_BYTES)?,
+            incident: Buffer::storage(gpu, "light/incident", cells * INCIDENT_BYTES)?,
+            state: Buffer::storage(gpu, "light/state", cells * STATE_BYTES)?,
+            next_state: Buffer::storage(gpu, "light/next state", cells * STATE_BYTES)?,
+        })
+    }
+
+    /// Changes the settings, from the next submission on.
+    pub fn update(&self, gpu: &Gpu, settings: &LightSettings) {
+        self.settings.write(gpu, &settings.into());
+    }
+
+    /// Reads from the volume what propagation needs of each cell. After every change of the volume.
+    pub fn record_transport(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        self.transport_pass.record(gpu, encoder, volume, &mut self.transport)
+    }
+
+    /// Starts anew from the light that leaves surfaces and the sky: no incident light yet.
+    pub fn record_seed(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        direct: &DirectLight,
+    ) -> Result<(), GpuError> {
+        encoder.clear_buffer(&self.incident.raw, 0, None);
+        let lit = seed::Lit { volume, direct, transport: &self.transport, settings: &self.settings };
+        self.seed_pass.record(gpu, encoder, &lit, &mut self.state)
+    }
+
+    /// Propagates `iterations` more steps. Light moves at most one cell a step: `k` bounces across a grid of N cells need about
+    /// `k * N` steps (5.6). May be called again to go on, in the same frame or a later one.
+    pub fn record_propagation(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        iterations: u32,
+    ) -> Result<(), GpuError> {
+        for _ in 0..iterations {
+            let media = propagation::Media { volume, transport: &self.transport, settings: &self.settings };
+            self.propagation_pass.record(
+                gpu,
+                encoder,
+                &media,
+                &self.state,
+                (&mut self.next_state, &mut self.incident),
+            )?;
+            std::mem::swap(&mut self.state, &mut self.next_state);
+        }
+        Ok(())
+    }
+
+    /// Irradiance in W/m2 at every pixel of a G-buffer, into a target of [`IRRADIANCE_FORMAT`]. Black where nothing
+    /// was drawn, and where no occupied cell is near.
+    pub fn record_reconstruction(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+    ) -> Result<(), GpuError> {
+        let incident = (&self.incident, &self.transport);
+        self.reconstruction_pass.record(gpu, encoder, volume, incident, view, target)
+    }
+
+    /// Flux still under way, summed over cells and colour bands, in units of W/m2 times cell faces. Falls towards zero as light
+    /// settles. Reads back and waits; not for use inside a frame.
+    pub fn flux_under_way(&self, gpu: &Gpu) -> Result<f64, GpuError> {
+        let state: Vec<[half::f16; 4]> = read_buffer(gpu, &self.state)?;
+        let flux_per_constant = (4.0 * std::f64::consts::PI).sqrt();
+        Ok(state.iter().map(|band| band[0].to_f64() * flux_per_constant).sum())
+    }
+
+    /// Incident light of each cell, three bands of four coefficients. Waits; not for use inside a frame.
+    pub fn read_incident(&self, gpu: &Gpu) -> Result<Vec<[[f32; 4]; 3]>, GpuError> {
+        read_buffer(gpu, &self.incident)
+    }
+}
+
+pub(crate) fn shaders() -> Vec<Shader> {
+    vec![transport::SHADER, seed::SHADER, propagation::SHADER, reconstruction::SHADER]
+}

@@ -1,0 +1,47 @@
+//! One step of propagation (5.5.2, equation 11): every cell gathers what its six neighbours send through the shared faces.
+
+use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
+use crate::volume::VolumeBuffer;
+use crate::wgsl::{GRID, PACK, SH, TRANSPORT, linear_groups};
+
+use super::PropagationUniform;
+
+pub(super) const SHADER: Shader = Shader {
+    name: "light/propagation",
+    parts: &[GRID, PACK, SH, TRANSPORT, include_str!("propagation.wgsl")],
+};
+
+/// What light travels through.
+#[derive(Debug)]
+pub(super) struct Media<'a> {
+    pub(super) volume: &'a VolumeBuffer,
+    pub(super) transport: &'a Buffer,
+    pub(super) settings: &'a Uniform<PropagationUniform>,
+}
+
+#[derive(Debug)]
+pub(super) struct Propagation(ComputePass);
+
+impl Propagation {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        Self(ComputePass::new(gpu, &SHADER, &[]))
+    }
+
+    pub(super) fn record(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        media: &Media<'_>,
+        state: &Buffer,
+        (next_state, incident): (&mut Buffer, &mut Buffer),
+    ) -> Result<(), GpuError> {
+        let bindings = Bindings::new()
+            .read("grid", media.volume.grid_uniform())
+            .read("settings", media.settings)
+            .read("transport", media.transport)
+            .read("state", state)
+            .write("next_state", next_state)
+            .write("incident", incident);
+        self.0.record(gpu, encoder, &bindings, linear_groups(media.volume.grid().cell_count() as u32))
+    }
+}

@@ -1,0 +1,51 @@
+// Transport properties of one cell per invocation.
+
+@group(0) @binding(0) var<uniform> grid: GridUniform;
+@group(0) @binding(1) var<storage, read> normal: array<vec2u>;
+@group(0) @binding(2) var<storage, read> albedo: array<vec2u>;
+@group(0) @binding(3) var<storage, read_write> transport: array<vec4u>;
+
+fn occupied(cell: vec3i) -> bool {
+    return cell_in_grid(grid, cell) && unpack_half4(normal[cell_index(grid, vec3u(cell))]).w > 0.0;
+}
+
+// Every open face adds (1 + n.f) / 2 of its irradiance to a surface, which is exact for one face. A slanted surface is seen
+// through two or three, and would get 1.2 times its share: the sum over the faces before it is scaled to that of their
+// projections, n.f.
+fn gather_correction(n: vec3f, open: u32) -> f32 {
+    var received = 0.0;
+    var projected = 0.0;
+    for (var face = 0u; face < 6u; face++) {
+        let cosine = dot(n, FACE_NORMALS[face]);
+        if (open & (1u << face)) != 0u && cosine > 0.05 {
+            received += 0.5 * (1.0 + cosine);
+            projected += cosine;
+        }
+    }
+    return select(1.0, projected / received, received > 0.0);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
+    let index = linear_id(id, workgroups);
+    if index >= grid.cell_count {
+        return;
+    }
+    let stored = unpack_half4(normal[index]);
+    if stored.w == 0.0 {
+        transport[index] = vec4u(0u);
+        return;
+    }
+    let cell = vec3i(cell_from_index(grid, index));
+    var bits = OCCUPIED;
+    for (var face = 0u; face < 6u; face++) {
+        if !occupied(cell + vec3i(FACE_NORMALS[face])) {
+            bits |= 1u << face;
+        }
+    }
+    // Shorter than this, the surfaces in the cell look into all directions and none is better than another.
+    let steady = dot(stored.xyz, stored.xyz) > 1e-4;
+    let n = select(vec3f(0.0), normalize(stored.xyz + vec3f(0.0, 1e-20, 0.0)), steady);
+    let reflectance = saturate(unpack_half4(albedo[index]).rgb);
+    transport[index] = pack_transport(Transport(n, bits, reflectance, gather_correction(n, bits)));
+}

@@ -1,0 +1,53 @@
+// Cleanup: one cell per invocation, kept or cleared from one ping-pong side to the other.
+
+@group(0) @binding(0) var<uniform> grid: GridUniform;
+@group(0) @binding(1) var<uniform> view: ViewUniform;
+@group(0) @binding(2) var depth: texture_2d<f32>;
+@group(0) @binding(3) var<storage, read> normal_in: array<vec2u>;
+@group(0) @binding(4) var<storage, read> albedo_in: array<vec2u>;
+@group(0) @binding(5) var<storage, read> emission_in: array<vec2u>;
+@group(0) @binding(6) var<storage, read_write> normal_out: array<vec2u>;
+@group(0) @binding(7) var<storage, read_write> albedo_out: array<vec2u>;
+@group(0) @binding(8) var<storage, read_write> emission_out: array<vec2u>;
+
+// Half the extent of a cell along the view's depth axis.
+fn cleanup_bias() -> f32 {
+    let m = view.eye_from_world;
+    let depth_axis = vec3f(m[0].z, m[1].z, m[2].z);
+    return 0.5 * grid.cell_size * dot(abs(depth_axis), vec3f(1.0));
+}
+
+fn proven_empty(center: vec3f) -> bool {
+    let clip = view.clip_from_world * vec4f(center, 1.0);
+    if clip.w <= 0.0 {
+        return false;
+    }
+    let ndc = clip.xyz / clip.w;
+    if any(abs(ndc.xy) >= vec2f(1.0)) || ndc.z < 0.0 || ndc.z > 1.0 {
+        return false;
+    }
+    let texel = vec2u(uv_from_ndc(ndc.xy) * vec2f(view.size));
+    let recorded = textureLoad(depth, texel, 0).r;
+    let surface = view.world_from_clip * vec4f(ndc.xy, recorded, 1.0);
+    return eye_distance(view, center) < eye_distance(view, surface.xyz / surface.w) - cleanup_bias();
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
+    let index = linear_id(id, workgroups);
+    if index >= grid.cell_count {
+        return;
+    }
+    var normal = normal_in[index];
+    var albedo = albedo_in[index];
+    var emission = emission_in[index];
+    let occupied = unpack_half4(normal).w > 0.0;
+    if occupied && proven_empty(cell_center(grid, cell_from_index(grid, index))) {
+        normal = vec2u(0u);
+        albedo = vec2u(0u);
+        emission = vec2u(0u);
+    }
+    normal_out[index] = normal;
+    albedo_out[index] = albedo;
+    emission_out[index] = emission;
+}

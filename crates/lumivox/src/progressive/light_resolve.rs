@@ -1,0 +1,48 @@
+//! The lighting rule (6.3): the sums of one light become means, which are added to the direct light of their cells, or
+//! replace it when they come from the camera.
+
+use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
+use crate::volume::VolumeBuffer;
+use crate::wgsl::{GRID, PACK, VIEW, linear_groups};
+
+use super::{DirectLight, ViewInput};
+
+pub(super) const SHADER: Shader = Shader {
+    name: "progressive/light_resolve",
+    parts: &[GRID, VIEW, PACK, include_str!("light_resolve.wgsl")],
+};
+
+/// What happens to the light that a cell already has this frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Replace {
+    /// The mean of one light is added to it.
+    No,
+    /// The mean of the camera's samples, which hold all lights, takes its place.
+    Yes,
+}
+
+#[derive(Debug)]
+pub(super) struct LightResolve(ComputePass);
+
+impl LightResolve {
+    pub(super) fn new(gpu: &Gpu, replace: Replace) -> Self {
+        let keep = if replace == Replace::Yes { 0.0 } else { 1.0 };
+        Self(ComputePass::new(gpu, &SHADER, &[("KEEP", keep)]))
+    }
+
+    pub(super) fn record(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (view, volume): (&ViewInput, &VolumeBuffer),
+        light_sums: &Buffer,
+        light: &mut DirectLight,
+    ) -> Result<(), GpuError> {
+        let bindings = Bindings::new()
+            .read("grid", volume.grid_uniform())
+            .read("view", &view.uniform)
+            .read("light_sums", light_sums)
+            .write("light", &mut light.sh);
+        self.0.record(gpu, encoder, &bindings, linear_groups(volume.grid().cell_count() as u32))
+    }
+}

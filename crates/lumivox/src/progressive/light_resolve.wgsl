@@ -1,0 +1,28 @@
+// Sums of one light's samples to their mean, added to or in place of what the cell holds.
+
+@group(0) @binding(0) var<uniform> grid: GridUniform;
+@group(0) @binding(1) var<uniform> view: ViewUniform;
+@group(0) @binding(2) var<storage, read> light_sums: array<i32>;
+@group(0) @binding(3) var<storage, read_write> light: array<vec2u>;
+
+// 1 adds, 0 replaces.
+override KEEP: f32;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
+    let index = linear_id(id, workgroups);
+    if index >= grid.cell_count {
+        return;
+    }
+    let at = 13u * index;
+    let count = f32(light_sums[at + 12u]);
+    if count == 0.0 {
+        return;
+    }
+    for (var band = 0u; band < 3u; band++) {
+        let first = at + 4u * band;
+        let sum = vec4i(light_sums[first], light_sums[first + 1u], light_sums[first + 2u], light_sums[first + 3u]);
+        let mean = vec4f(sum) / (count * view.radiance_steps);
+        light[3u * index + band] = pack_half4(KEEP * unpack_half4(light[3u * index + band]) + mean);
+    }
+}

@@ -1,0 +1,71 @@
+//! What a view brings to voxelization.
+
+use glam::UVec2;
+use lumivox_core::View;
+
+use crate::gpu::{Gpu, Texture, Uniform};
+use crate::wgsl::ViewUniform;
+
+/// The pictures of a view, all of one size. The camera's are its G-buffer, a light's are its reflective shadow map.
+#[derive(Debug)]
+pub struct ViewTextures {
+    /// Depth, 0 near to 1 far or reversed; a depth format or `R32Float`.
+    pub depth: Texture,
+    /// World normal, facing the view, unit length; `Rgba16Float`. Zero where nothing is.
+    pub normal: Texture,
+    /// Reflectance, linear; any filterable colour format.
+    pub albedo: Texture,
+    /// Emitted radiance in W/(m2 sr); `Rgba16Float`.
+    pub emission: Texture,
+    /// Radiance that the surface *reflects* towards every direction, W/(m2 sr): of this light alone in its reflective
+    /// shadow map, of all lights in the camera's picture; `Rgba16Float`.
+    pub radiance: Texture,
+}
+
+/// A view ready for cleanup and injection.
+#[derive(Debug)]
+pub struct ViewInput {
+    /// Its pictures.
+    pub textures: ViewTextures,
+    pub(crate) uniform: Uniform<ViewUniform>,
+    pub(crate) points: UVec2,
+}
+
+impl ViewInput {
+    /// A view that injects a regular grid of `points` samples of its pictures. More points fill cells more densely and cost
+    /// more; beyond one point a texel nothing is gained, so the grid is cut to the size of the pictures.
+    pub fn new(gpu: &Gpu, label: &str, textures: ViewTextures, points: UVec2) -> Self {
+        let points = points.min(UVec2::from(textures.depth.size()));
+        let nothing: ViewUniform = bytemuck::Zeroable::zeroed();
+        Self { textures, uniform: Uniform::new(gpu, label, &nothing), points }
+    }
+
+    /// The view as shaders see it: `ViewUniform` of [`crate::wgsl::VIEW`].
+    pub fn uniform(&self) -> &Uniform<ViewUniform> {
+        &self.uniform
+    }
+
+    /// Number of points it injects.
+    pub fn point_count(&self) -> u32 {
+        self.points.x * self.points.y
+    }
+
+    /// Where the view stands this frame. Call it once before the frame is recorded, for all views of the frame with the
+    /// same scale.
+    pub fn update(&self, gpu: &Gpu, view: &View, scale: InjectionScale) {
+        let size = UVec2::from(self.textures.depth.size());
+        self.uniform.write(gpu, &ViewUniform::new(view, size, self.points, scale.total_points, scale.radiance_max));
+    }
+}
+
+/// The range of a frame's fixed-point sums.
+///
+/// A step of a sum is `total_points * radiance_max / 2^30`: with 200,000 points and radiances up to 10 W/(m2 sr) it is
+/// 0.002, of which a mean over many samples keeps a small part as error.
+#[derive(Clone, Copy, Debug)]
+pub struct InjectionScale {
+    /// Points that all views of the frame inject. More is safe and coarser; fewer may overflow.
+    pub total_points: u32,
+    /// Largest radiance of a sample, W/(m2 sr). Brighter samples are cut to it; a higher bound gives coarser steps.
+    pub radiance_max: f32,
+}
