@@ -47,6 +47,13 @@ impl Builder {
         self.sheet(steps, color, |s, t| (origin + s * u + t * v, normal));
     }
 
+    /// A flat quadrilateral with corners in order around it, in `steps` cells; the normal is that of its first corner.
+    pub(super) fn quad(&mut self, corners: [Vec3; 4], steps: [u32; 2], color: Vec3) {
+        let [a, b, c, d] = corners;
+        let normal = (b - a).cross(d - a);
+        self.sheet(steps, color, |s, t| (a.lerp(b, s).lerp(d.lerp(c, s), t), normal));
+    }
+
     /// A box turned about Y by `angle` radians, each face in `steps` x `steps` cells.
     pub(super) fn block(&mut self, center: Vec3, size: Vec3, angle: f32, steps: u32, color: Vec3) {
         let turn = Quat::from_rotation_y(angle);
@@ -102,14 +109,18 @@ impl SceneBuilder {
         self.scene.materials.len() - 1
     }
 
-    /// Adds a mesh with one instance; an empty one is left out.
+    /// Adds a mesh with one instance.
     pub(super) fn add(&mut self, name: &str, builder: Builder, material: usize) {
-        if builder.mesh.indices.is_empty() {
-            return;
-        }
+        self.add_at(name, builder, material, &[Mat4::IDENTITY]);
+    }
+
+    /// Adds a mesh that stands in many places.
+    pub(super) fn add_at(&mut self, name: &str, builder: Builder, material: usize, places: &[Mat4]) {
         let mesh = self.scene.meshes.len();
         self.scene.meshes.push(Mesh { name: name.to_owned(), material, ..builder.mesh });
-        self.scene.instances.push(Instance { mesh, world_from_local: Mat4::IDENTITY });
+        self.scene
+            .instances
+            .extend(places.iter().map(|&world_from_local| Instance { mesh, world_from_local }));
     }
 
     pub(super) fn light(&mut self, light: Light) {

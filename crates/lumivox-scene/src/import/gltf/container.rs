@@ -92,7 +92,8 @@ pub(super) fn buffers(
     for (i, buffer) in root.buffers.iter().enumerate() {
         let length = buffer.byte_length.0 as usize;
         let bytes = match (&buffer.uri, bin) {
-            (Some(uri), _) => resolve(source, uri, limits)?,
+            (Some(uri), _) => resolve(source, uri, limits)
+                .map_err(|e| source.malformed(format!("needs a buffer that is not there: {e}")))?,
             (None, Some(bin)) if i == 0 => bin.to_vec(),
             // Allowed by the format, for extensions that fill it; here nothing may read from it.
             (None, _) => return Err(source.malformed(format!("has no data for buffer {i}"))),

@@ -26,6 +26,9 @@ pub(super) fn place(
         let all = (0..scene.meshes.len()).map(|mesh| Instance { mesh, world_from_local: Mat4::IDENTITY });
         scene.instances.extend(all);
     }
+    if open.is_empty() && count > 0 && document.scenes().len() == 0 {
+        return Err(source.malformed("has no root among its nodes: each is another one's child"));
+    }
     let mut seen = vec![false; count];
     while let Some((node, world_from_parent, depth)) = open.pop() {
         // A tree reaches each node once; this also ends cycles and keeps shared subtrees from multiplying.

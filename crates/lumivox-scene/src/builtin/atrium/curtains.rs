@@ -1,0 +1,107 @@
+//! Long curtains between the columns of the ground floor: thin single sheets with soft folds, whole or tied back.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+use super::{BAY, Detail, Palette, SPRING, sides};
+use crate::builtin::builder::{Builder, SceneBuilder};
+
+/// How a bay is hung.
+#[derive(Clone, Copy)]
+enum Hanging {
+    Open,
+    Whole(usize),
+    Tied(usize),
+}
+use Hanging::{Open, Tied, Whole};
+
+/// Clear edges of the opening, and the heights of the rod, the tie and the hem.
+const EDGES: [f32; 2] = [0.27, BAY - 0.27];
+const ROD: f32 = SPRING - 0.16;
+const TIE: f32 = 1.25;
+const HEM: f32 = 0.12;
+
+/// Bay by bay, in the order of [`sides`]; numbers are cloths. Bay 3 of the first side stays open: the walk leads there.
+const HANGINGS: [&[Hanging]; 4] = [
+    &[Whole(0), Tied(3), Whole(1), Open, Tied(2), Whole(3), Tied(0), Whole(2)],
+    &[Whole(0), Tied(1), Whole(3), Tied(2), Whole(0), Open, Tied(1), Whole(2)],
+    &[Tied(0), Open, Tied(0)],
+    &[Tied(3), Tied(1), Tied(3)],
+];
+
+pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) {
+    let mut cloths: [Builder; 4] = Default::default();
+    let mut rods = Builder::default();
+    for (bays, hangings) in sides().iter().zip(HANGINGS) {
+        for (i, (bay, hanging)) in bays.iter().zip(hangings).enumerate() {
+            let place = |p: Vec3| bay.world_from_bay.transform_point3(p);
+            let turn = |v: Vec3| bay.world_from_bay.transform_vector3(v);
+            let phase = i as f32 * 1.7;
+            match *hanging {
+                Open => continue,
+                Whole(cloth) => sheet(&mut cloths[cloth], detail, phase, 7.0, 1.0, place, turn, |s, _| {
+                    EDGES[0] + s * (EDGES[1] - EDGES[0])
+                }),
+                Tied(cloth) => {
+                    for side in [0usize, 1] {
+                        let edge = EDGES[side];
+                        let inwards = if side == 0 { 1.0 } else { -1.0 };
+                        sheet(&mut cloths[cloth], detail, phase, 4.0, 0.5, place, turn, move |s, y| {
+                            edge + inwards * s * tied_width(y)
+                        });
+                    }
+                }
+            }
+            let (a, b) = (
+                place(Vec3::new(EDGES[0] - 0.1, ROD + 0.01, -0.02)),
+                place(Vec3::new(EDGES[1] + 0.1, ROD + 0.05, 0.02)),
+            );
+            rods.slab(a.min(b), a.max(b), Vec3::ONE);
+        }
+    }
+    for (cloth, (builder, name)) in cloths.into_iter().zip(["red", "gold", "green", "blue"]).enumerate() {
+        scene.add(&format!("{name} curtains"), builder, palette.cloth[cloth]);
+    }
+    scene.add("curtain rods", rods, palette.wood);
+}
+
+/// Width of half a tied curtain at a height: full at the rod, narrow at the tie, falling open below.
+fn tied_width(y: f32) -> f32 {
+    let full = 0.5 * (EDGES[1] - EDGES[0]);
+    let above = ((y - TIE) / (ROD - TIE)).clamp(0.0, 1.0);
+    let below = ((TIE - y) / (TIE - HEM)).clamp(0.0, 1.0);
+    0.22 + (full - 0.22) * above.powf(1.6) + 0.2 * (0.5 - 0.5 * (PI * below).cos())
+}
+
+/// One cloth: `x_at(s, y)` spreads `s` in 0..1 over the bay. Folds deepen towards the hem and lean a little.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a private helper with one caller; a struct would only rename them"
+)]
+fn sheet(
+    b: &mut Builder,
+    detail: &Detail,
+    phase: f32,
+    folds: f32,
+    share: f32,
+    place: impl Fn(Vec3) -> Vec3,
+    turn: impl Fn(Vec3) -> Vec3,
+    x_at: impl Fn(f32, f32) -> f32,
+) {
+    let across = (detail.pick([8, 14, 28, 48, 84]) as f32 * share).round() as u32;
+    let down = detail.pick([2, 4, 7, 14, 26]);
+    let point = |s: f32, t: f32| {
+        let y = ROD + t * (HEM - ROD);
+        let depth = 0.035 + 0.05 * t;
+        let wave = (TAU * folds * s + phase + 0.9 * (2.2 * t + phase).sin()).sin();
+        let drift = 0.03 * t * (PI * s * 2.0 + phase).sin();
+        Vec3::new(x_at(s, y), y, depth * wave + drift)
+    };
+    b.sheet([across, down], Vec3::ONE, |s, t| {
+        // Differences over much less than a fold.
+        let e = 1e-3;
+        let normal = (point(s, t - e) - point(s, t + e)).cross(point(s - e, t) - point(s + e, t));
+        (place(point(s, t)), turn(normal))
+    });
+}
