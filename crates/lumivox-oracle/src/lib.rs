@@ -12,11 +12,12 @@
 //!
 //! Conventions are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709; light in radiometric units.
 
-//pub mod closed_form;
+pub mod closed_form;
 //pub mod distance;
 //pub mod metrics;
-//pub mod scene;
+pub mod picture;
+pub mod scene;
 #[cfg(test)]
 mod shapes;
-//pub mod tracer;
+pub mod tracer;
 pub mod voxels;

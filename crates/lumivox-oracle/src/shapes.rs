@@ -37,3 +37,18 @@ pub(crate) fn sphere(radius: f32, level: u32) -> Mesh {
     let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     Mesh { positions, indices }
 }
+
+/// Two triangles; the normal by winding is `(b - a) x (d - a)`.
+pub(crate) fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
+    [[a, b, c], [a, c, d]]
+}
+
+/// The twelve triangles of an axis-aligned box, facing outwards.
+pub(crate) fn cuboid(min: Vec3, max: Vec3) -> Vec<[Vec3; 3]> {
+    let corner = |n: usize| {
+        let pick = |bit: usize, axis: usize| if n >> bit & 1 == 0 { min[axis] } else { max[axis] };
+        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    faces.into_iter().flat_map(|face| quad(face.map(corner))).collect()
+}
