@@ -13,8 +13,8 @@
 //! Conventions are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709; light in radiometric units.
 
 pub mod closed_form;
-//pub mod distance;
-//pub mod metrics;
+pub mod distance;
+pub mod metrics;
 pub mod picture;
 pub mod scene;
 #[cfg(test)]

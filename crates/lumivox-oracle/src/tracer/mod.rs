@@ -17,7 +17,7 @@ mod camera;
 mod geometry;
 mod lights;
 mod path;
-mod random;
+pub(crate) mod random;
 mod render;
 #[cfg(test)]
 mod tests;
