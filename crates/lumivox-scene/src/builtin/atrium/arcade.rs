@@ -24,13 +24,18 @@ pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) 
     for (name, spring, top) in [("arch", SPRING, CEILING), ("gallery arch", UPPER_SPRING, UPPER_CEILING)] {
         let (mut wall, mut stones) = (Builder::default(), Builder::default());
         arch_wall(&mut wall, spring, top, HALF, detail);
-        voussoirs(&mut stones, spring, HALF + 0.035, detail);
+        if detail.level == 0 {
+            soffit(&mut wall, spring, HALF, detail);
+        } else {
+            voussoirs(&mut stones, spring, HALF + 0.035, detail);
+            scene.add_at(&format!("{name} voussoirs"), stones, palette.trim, &places);
+        }
         scene.add_at(name, wall, palette.wall, &places);
-        scene.add_at(&format!("{name} voussoirs"), stones, palette.trim, &places);
     }
     // Across the arcade, from each column of the long sides to the outer wall.
     let mut cross = Builder::default();
     arch_wall(&mut cross, SPRING, CEILING, 0.16, detail);
+    soffit(&mut cross, SPRING, 0.16, detail);
     scene.add_at("transverse arch", cross, palette.plaster, &transverse());
 
     let columns: Vec<Mat4> = column_feet().map(Mat4::from_translation).collect();
@@ -82,9 +87,9 @@ fn on_arch(radius: f32, spring: f32, angle: f32) -> Vec2 {
     Vec2::new(0.5 * BAY - radius * angle.cos(), spring + radius * angle.sin())
 }
 
-/// The wall of one bay above the springing, with a round opening: two faces, the soffit and the two soles.
+/// The wall of one bay above the springing, with a round opening: two faces and the two soles.
 fn arch_wall(b: &mut Builder, spring: f32, top: f32, half: f32, detail: &Detail) {
-    let segments = detail.pick([4, 7, 12, 22, 44]);
+    let segments = segments(detail);
     let rise = top - spring;
     let middle = Vec2::new(0.5 * BAY, spring);
     let corner = (rise / (0.5 * BAY)).atan();
@@ -98,7 +103,7 @@ fn arch_wall(b: &mut Builder, spring: f32, top: f32, half: f32, detail: &Detail)
         let reach = (0.5 * BAY / d.x.abs().max(1e-6)).min(rise / d.y.max(1e-6));
         middle + reach * d
     };
-    let rings = detail.pick([1, 1, 1, 2, 4]);
+    let rings = detail.pick([1, 1, 1, 1, 2]);
     for pair in angles.windows(2) {
         let [p, q] = [pair[0], pair[1]].map(|a| (on_arch(ARCH, spring, a), outline(a)));
         let color = shade((p.1.x * 40.0 + p.1.y * 90.0) as u32, 0.12);
@@ -110,22 +115,31 @@ fn arch_wall(b: &mut Builder, spring: f32, top: f32, half: f32, detail: &Detail)
             b.quad(corners, steps, color);
         }
     }
-    let depth = detail.pick([1, 1, 1, 2, 4]);
-    b.sheet([segments, depth], Vec3::splat(0.95), |s, t| {
-        let p = on_arch(ARCH, spring, PI * s);
-        let inwards = (middle - p).extend(0.0);
-        (p.extend(half * (1.0 - 2.0 * t)), inwards)
-    });
     for x in [0.0, 0.5 * BAY + ARCH] {
         let width = 0.5 * BAY - ARCH;
         b.grid(Vec3::new(x, spring, -half), width * Vec3::X, 2.0 * half * Vec3::Z, [1, 1], Vec3::splat(0.9));
     }
 }
 
+/// Cuts of one arch.
+fn segments(detail: &Detail) -> u32 {
+    detail.pick([3, 6, 10, 16, 22])
+}
+
+/// The underside of an arch without voussoirs.
+fn soffit(b: &mut Builder, spring: f32, half: f32, detail: &Detail) {
+    let depth = detail.pick([1, 1, 1, 1, 2]);
+    b.sheet([segments(detail), depth], Vec3::splat(0.95), |s, t| {
+        let p = on_arch(ARCH, spring, PI * s);
+        let inwards = (Vec2::new(0.5 * BAY, spring) - p).extend(0.0);
+        (p.extend(half * (1.0 - 2.0 * t)), inwards)
+    });
+}
+
 /// A ring of wedge stones in two colours that stands a little proud of both faces of the wall.
 fn voussoirs(b: &mut Builder, spring: f32, half: f32, detail: &Detail) {
-    let per_stone = detail.pick([1, 1, 1, 2, 4]);
-    let stones = detail.pick([5, 7, VOUSSOIRS, VOUSSOIRS, VOUSSOIRS]);
+    let per_stone = detail.pick([1, 1, 1, 1, 2]);
+    let stones = detail.pick([7, 7, VOUSSOIRS, VOUSSOIRS, VOUSSOIRS]);
     let (inner, outer) = (ARCH - 0.02, ARCH + 0.2);
     for stone in 0..stones {
         let color = if stone % 2 == 0 { shade(stone, 0.1) } else { Vec3::new(0.84, 0.56, 0.42) };
@@ -165,10 +179,10 @@ fn column(b: &mut Builder, height: f32, radius: f32, detail: &Detail) {
         1,
         Vec3::ONE,
     );
-    let sides = detail.pick([5, 7, 10, 18, 28]);
+    let sides = detail.pick([4, 6, 9, 14, 20]);
     let y = |t: f32| plinth + t * (top - plinth);
-    let shaft = detail.pick([1, 1, 2, 4, 8]);
-    let curve = detail.pick([1, 2, 3, 4, 7]);
+    let shaft = detail.pick([1, 1, 1, 2, 4]);
+    let curve = detail.pick([1, 1, 2, 3, 5]);
     let mut profile = Vec::new();
     // The base: a bulge that draws in towards the shaft.
     for i in 0..=curve {
@@ -226,8 +240,8 @@ fn balustrade(b: &mut Builder, detail: &Detail) {
     };
     rail(b, 0.0, 0.12, 0.11);
     rail(b, 0.86, 0.98, 0.13);
-    let count = detail.pick([4, 6, 8, 8, 8]);
-    let sides = detail.pick([3, 4, 5, 9, 14]);
+    let count = detail.pick([3, 4, 6, 8, 8]);
+    let sides = detail.pick([3, 4, 4, 6, 10]);
     let full = [
         Vec2::new(0.07, 0.12),
         Vec2::new(0.05, 0.2),

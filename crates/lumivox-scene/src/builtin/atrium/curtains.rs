@@ -24,7 +24,7 @@ const HEM: f32 = 0.12;
 
 /// Bay by bay, in the order of [`sides`]; numbers are cloths. Bay 3 of the first side stays open: the walk leads there.
 const HANGINGS: [&[Hanging]; 4] = [
-    &[Whole(0), Tied(3), Whole(1), Open, Tied(2), Whole(3), Tied(0), Whole(2)],
+    &[Open, Tied(3), Whole(1), Open, Tied(2), Tied(3), Open, Tied(0)],
     &[Whole(0), Tied(1), Whole(3), Tied(2), Whole(0), Open, Tied(1), Whole(2)],
     &[Tied(0), Open, Tied(0)],
     &[Tied(3), Tied(1), Tied(3)],
@@ -89,8 +89,8 @@ fn sheet(
     turn: impl Fn(Vec3) -> Vec3,
     x_at: impl Fn(f32, f32) -> f32,
 ) {
-    let across = (detail.pick([8, 14, 28, 48, 84]) as f32 * share).round() as u32;
-    let down = detail.pick([2, 4, 7, 14, 26]);
+    let across = (detail.pick([8, 12, 21, 36, 60]) as f32 * share).round() as u32;
+    let down = detail.pick([2, 3, 6, 10, 17]);
     let point = |s: f32, t: f32| {
         let y = ROD + t * (HEM - ROD);
         let depth = 0.035 + 0.05 * t;

@@ -7,7 +7,7 @@ use crate::builtin::builder::{Builder, SceneBuilder};
 
 pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) {
     let size = detail.pick([1.2, 0.6, 0.6, 0.6, 0.6f32]);
-    let steps = detail.pick([1, 1, 1, 2, 4]);
+    let steps = detail.pick([1, 1, 1, 2, 3]);
     let (nx, nz) = ((2.0 * WALL[0] / size).round() as i32, (2.0 * WALL[1] / size).round() as i32);
     let mut tiles: [Builder; 3] = Default::default();
     for j in 0..nz {

@@ -20,9 +20,9 @@ pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) 
         let along = Vec3::Y.cross(inwards);
         let distance = if inwards.z == 0.0 { WALL[0] } else { WALL[1] };
         let origin = -distance * inwards - length * along;
-        courses(&mut dado, origin, along, 2.0 * length, [0.0, DADO], [0.3, DADO / 4.0], 0.35, detail);
+        courses(&mut dado, origin, along, 2.0 * length, [0.0, DADO], [0.6, DADO / 3.0], 0.3, detail);
         for heights in [[DADO, CEILING], [GALLERY, UPPER_CEILING]] {
-            courses(&mut wall, origin, along, 2.0 * length, heights, [1.2, 0.5], 0.2, detail);
+            courses(&mut wall, origin, along, 2.0 * length, heights, [1.2, 0.6], 0.2, detail);
         }
         let back = origin - THICK * inwards - THICK * along + (2.0 * length + 2.0 * THICK) * along;
         wall.grid(back, -(2.0 * length + 2.0 * THICK) * along, RIM * Vec3::Y, [1, 1], Vec3::splat(0.95));
@@ -68,7 +68,7 @@ fn courses(
     detail: &Detail,
 ) {
     let coarse = detail.pick([6.0, 3.0, 1.0, 1.0, 1.0f32]);
-    let steps = detail.pick([1, 1, 1, 2, 4]);
+    let steps = detail.pick([1, 1, 1, 1, 2]);
     let [low, high] = heights;
     let rows = ((high - low) / (size[1] * coarse.min(4.0))).round().max(1.0);
     let row_height = (high - low) / rows;
@@ -92,7 +92,7 @@ fn courses(
 
 /// A rectangular frame of four boxes between the half sizes `inner` and `outer`, mitred at the corners.
 fn ring(b: &mut Builder, heights: [f32; 2], inner: [f32; 2], outer: [f32; 2], detail: &Detail) {
-    let cells = detail.pick([1, 1, 2, 8, 16]);
+    let cells = detail.pick([1, 1, 2, 4, 8]);
     let corner = |half: [f32; 2], k: usize, y: f32| {
         let (sx, sz) = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)][k % 4];
         Vec3::new(sx * half[0], y, sz * half[1])
@@ -120,8 +120,8 @@ fn ring(b: &mut Builder, heights: [f32; 2], inner: [f32; 2], outer: [f32; 2], de
 /// Four slopes from the rim down to the eaves, in rows of tiles.
 fn roof(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) {
     let mut b = Builder::default();
-    let rows = detail.pick([1, 2, 6, 10, 16]);
-    let cells = detail.pick([1, 2, 6, 16, 40]);
+    let rows = detail.pick([1, 2, 6, 8, 12]);
+    let cells = detail.pick([1, 2, 4, 12, 24]);
     let at = |k: usize, t: f32| {
         let (sx, sz) = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)][k % 4];
         let inner = Vec3::new(COURT[0] - 0.6, EAVES + 0.04, COURT[1] - 0.6);
@@ -145,11 +145,11 @@ fn roof(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) {
     scene.add("roof", b, palette.roof);
 }
 
-/// Dark beams under the gallery's ceiling, three to a bay of the long sides.
+/// Dark beams under the gallery's ceiling, two to a bay of the long sides.
 fn beams(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) {
     let mut b = Builder::default();
-    let per_bay = detail.pick([1, 2, 3, 3, 3]);
-    let steps = detail.pick([1, 1, 1, 2, 4]);
+    let per_bay = detail.pick([1, 2, 2, 2, 2]);
+    let steps = detail.pick([1, 1, 1, 2, 3]);
     let count = (2.0 * COURT[0] / BAY).round() as u32 * per_bay;
     for side in [-1.0, 1.0] {
         for i in 0..=count {

@@ -8,8 +8,8 @@ use super::{COURT, Detail, Palette};
 use crate::builtin::builder::{Builder, SceneBuilder};
 
 pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) {
-    let sides = detail.pick([8, 12, 20, 36, 64]);
-    let rings = detail.pick([4, 6, 10, 18, 32]);
+    let sides = detail.pick([6, 9, 14, 24, 36]);
+    let rings = detail.pick([3, 5, 8, 13, 20]);
 
     let mut stone = Builder::default();
     let mut water = Builder::default();
@@ -22,14 +22,14 @@ pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) 
     let (mut clay, mut glaze, mut wood) = (Builder::default(), Builder::default(), Builder::default());
     // Beside the columns, out of every line that is walked.
     for (x, z, size) in
-        [(-7.2, -2.75, 1.0), (-4.8, 2.75, 1.15), (2.4, 2.8, 0.9), (7.2, 2.7, 1.1), (4.8, -2.8, 1.0)]
+        [(-7.2, -2.75, 1.0), (-4.8, 2.8, 0.95), (2.4, 2.8, 0.9), (7.2, 2.7, 1.1), (4.8, -2.8, 1.0)]
     {
         vase(&mut clay, Vec3::new(x, 0.0, z), size, sides, rings);
     }
     for (x, z, size) in [(-2.4, 2.7, 0.8), (7.2, -2.75, 1.2), (8.6, 0.0, 1.3)] {
         vase(&mut glaze, Vec3::new(x, 0.0, z), size, sides, rings);
     }
-    for (x, z, radius) in [(-5.6, 1.9, 0.32), (5.6, 1.5, 0.42), (-COURT[0] + 0.9, 2.4, 0.26)] {
+    for (x, z, radius) in [(-3.3, 2.2, 0.28), (5.6, 1.5, 0.42), (-COURT[0] + 0.9, 2.4, 0.26)] {
         ball(&mut stone, Vec3::new(x, radius, z), radius, sides, rings);
     }
     let steps = detail.pick([1, 1, 2, 4, 8]);
