@@ -1,1 +1,35 @@
-fn main() {}
+//! The program `lumivox`: lights scenes with voxel volumes from the command line.
+
+mod args;
+mod clock;
+mod demo;
+mod framing;
+mod info;
+mod output;
+mod render;
+mod sheet;
+mod stats;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("LUMIVOX_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,wgpu=error,wgpu_core=error,wgpu_hal=off"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).without_time().init();
+    let arguments = args::Arguments::parse();
+    let result = match &arguments.command {
+        args::Command::Demo(demo) => demo::run(demo),
+        args::Command::Render(render) => render::run(render),
+        args::Command::Info(info) => info::run(info),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tracing::debug!("{error:?}");
+            eprintln!("lumivox: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

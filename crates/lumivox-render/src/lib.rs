@@ -1,1 +1,56 @@
-//! x
+//! A compact deferred renderer that plays the host of [`lumivox`]: G-buffer, reflective shadow maps, direct light, composition
+//! and debug views, on the same public interface as any other host.
+//!
+//! [`Renderer::frame`] is one frame on one page.
+//!
+//! | module | one line |
+//! | --- | --- |
+//! | [`gpu_scene`] | a scene's meshes, materials and textures on the GPU |
+//! | [`surface`] | rasterizes surfaces into G-buffers and reflective shadow maps |
+//! | [`lights`] | a light's views, and what it sends where |
+//! | [`direct`] | shadowed direct light, light by light |
+//! | [`triangles`] | a volume from a scene's triangles, on the CPU |
+//! | [`composite`] | direct + indirect + emission, or one layer alone |
+//! | [`voxel_view`] | draws a volume's cells |
+//! | [`tone`] | the tone curve of PNG output |
+//! | [`renderer`] | the frame |
+//!
+//! **See-through surfaces.** `Blend` materials are drawn as masks with a cutoff of one half: glass lets light and view
+//! pass unchanged, denser veils are solid.
+
+pub mod composite;
+pub mod direct;
+pub mod gpu_scene;
+pub mod lights;
+pub mod renderer;
+pub mod surface;
+pub mod tone;
+pub mod triangles;
+pub mod voxel_view;
+
+pub use composite::Layer;
+pub use renderer::{FrameStats, GiMethod, Renderer, RendererError, Settings, VoxelSource};
+
+/// Every shader of this crate, for validation and for reading.
+pub fn shaders() -> Vec<lumivox::gpu::Shader> {
+    vec![
+        surface::GBUFFER_SHADER,
+        surface::RSM_SHADER,
+        direct::SHADER,
+        composite::SHADER,
+        voxel_view::SHADER,
+    ]
+}
+
+/// Every struct of this crate that has a twin in WGSL: name, size and fields.
+pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [lumivox::gpu::Field])> {
+    fn entry<T: lumivox::gpu::GpuStruct>() -> (&'static str, usize, &'static [lumivox::gpu::Field]) {
+        (T::NAME, size_of::<T>(), T::FIELDS)
+    }
+    vec![
+        entry::<gpu_scene::MaterialUniform>(),
+        entry::<lights::LightUniform>(),
+        entry::<composite::CompositeUniform>(),
+        entry::<voxel_view::VoxelViewUniform>(),
+    ]
+}

@@ -5,16 +5,28 @@
 
 mod gltf;
 mod guard;
+mod mtl;
+mod obj;
+mod off;
+mod ply;
+mod scene_file;
 mod source;
+mod stl;
 mod texture;
 
 use std::path::Path;
 
-use crate::{Limits, Scene, SceneError, builtin};
+use glam::{Mat4, Vec3};
+
+use crate::mesh::{RawMesh, Shading};
+use crate::{Instance, Limits, Material, Scene, SceneError, builtin};
 use source::Source;
 
 /// What [`load`] reads, by the end of the file's name.
-pub const EXTENSIONS: &[&str] = &[".glb", ".gltf"];
+pub const EXTENSIONS: &[&str] = &[".glb", ".gltf", ".obj", ".ply", ".stl", ".off", ".scene.json"];
+
+/// Albedo of a mesh whose file says nothing about its surface.
+const DEFAULT_ALBEDO: f32 = 0.8;
 
 /// Loads `"builtin:NAME"`, `"builtin:NAME:DETAIL"` (0 to 4) or a file, within the default [`Limits`].
 ///
@@ -77,9 +89,95 @@ fn check_extension(name: &str) -> Result<(), SceneError> {
     Err(SceneError::UnknownExtension { file: name.to_owned(), extension })
 }
 
+/// Reads any format. Normals are the file's for glTF; else the faces', or with `smooth` the file's or averages.
 fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<Scene, SceneError> {
     match extension(source.name()).as_str() {
-        ".glb" | ".gltf" => gltf::import(source, bytes, limits),
-        _ => check_extension(source.name()).map(|()| Scene::default()),
+        ".scene.json" => scene_file::import(source, bytes, limits),
+        _ => import_meshes(source, bytes, limits, false),
+    }
+}
+
+/// Reads a format that is not made of other files' scenes.
+fn import_meshes(source: &Source, bytes: &[u8], limits: &Limits, smooth: bool) -> Result<Scene, SceneError> {
+    let shading = if smooth { Shading::Smooth } else { Shading::Flat };
+    let mut scene = match extension(source.name()).as_str() {
+        ".glb" | ".gltf" => {
+            let shading = if smooth { Shading::Smooth } else { Shading::FileOrFlat };
+            return gltf::import(source, bytes, limits, shading);
+        }
+        ".obj" => obj::import(source, bytes, limits, shading)?,
+        ".ply" => {
+            let mut scene = Scene::default();
+            let raw = ply::import(source, bytes, limits, &mut scene.report)?;
+            single(source, raw, scene, limits, shading)?
+        }
+        ".stl" => single(source, stl::import(source, bytes, limits)?, Scene::default(), limits, shading)?,
+        ".off" => single(source, off::import(source, bytes, limits)?, Scene::default(), limits, shading)?,
+        _ => return Err(source.unsupported("this kind of file inside of a scene")),
+    };
+    let world_from_local = Mat4::IDENTITY;
+    scene.instances = (0..scene.meshes.len()).map(|mesh| Instance { mesh, world_from_local }).collect();
+    Ok(scene)
+}
+
+/// A scene of one mesh with the default material; of none if it has no triangles.
+fn single(
+    source: &Source,
+    raw: RawMesh,
+    mut scene: Scene,
+    limits: &Limits,
+    shading: Shading,
+) -> Result<Scene, SceneError> {
+    raw.check(source.name(), limits)?;
+    if raw.indices.is_empty() {
+        scene.report.warn("the file has no triangles");
+        scene.report.skipped_primitives += 1;
+        return Ok(scene);
+    }
+    scene.materials.push(default_material());
+    scene.meshes.push(raw.into_mesh(shading, &mut scene.report));
+    Ok(scene)
+}
+
+fn default_material() -> Material {
+    Material::matte("default", Vec3::splat(DEFAULT_ALBEDO))
+}
+
+/// Cuts a polygon into triangles around its first corner; fewer than three corners make none.
+fn fan(mut corners: impl Iterator<Item = u32>, triangles: &mut Vec<[u32; 3]>) {
+    let (Some(first), Some(mut last)) = (corners.next(), corners.next()) else { return };
+    for next in corners {
+        triangles.push([first, last, next]);
+        last = next;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_are_found_whatever_their_case() {
+        for (name, end) in [
+            ("a.GLB", ".glb"),
+            ("b/x.Scene.JSON", ".scene.json"),
+            ("x.json", ".json"),
+            ("a.b/c", ""),
+            (r"d\e.ply", ".ply"),
+            (".scene.json", ".scene.json"),
+        ] {
+            assert_eq!(extension(name), end, "{name}");
+        }
+        let text = load("walls.blend").unwrap_err().to_string();
+        assert!(text.starts_with("walls.blend: unknown file type 'blend'; supported are .glb .gltf .obj"), "{text}");
+        let text = load("no-such.glb").unwrap_err().to_string();
+        assert!(text.starts_with("no-such.glb: cannot be read"), "{text}");
+    }
+
+    #[test]
+    fn the_size_cap_comes_first() {
+        let limits = Limits { file_bytes: 3, ..Limits::default() };
+        let text = load_bytes("a.ply", b"plyx", &limits).unwrap_err().to_string();
+        assert_eq!(text, "a.ply: the size in bytes is 4, more than the limit of 3");
     }
 }

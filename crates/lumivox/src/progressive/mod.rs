@@ -55,6 +55,11 @@ impl DirectLight {
     /// Bytes of one cell.
     pub const CELL_BYTES: u64 = 24;
 
+    /// The coefficients, for shaders: `array<vec2u>` of packed half floats.
+    pub fn coefficients(&self) -> &Buffer {
+        &self.sh
+    }
+
     /// Reads the coefficients back, three bands per cell. Waits; not for use inside a frame.
     pub fn read_back(&self, gpu: &Gpu) -> Result<Vec<[Vec4; 3]>, GpuError> {
         let packed: Vec<[[half::f16; 4]; 3]> = crate::gpu::read_buffer(gpu, &self.sh)?;
@@ -124,16 +129,15 @@ impl Progressive {
 
     /// Injects the maps of *one* light: one view, or the six of a point light. Adds the mean of their samples to the light
     /// of each cell they fall in, and collects the attributes they show.
-    pub fn record_light(
+    pub fn record_light<'v>(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        views: &[ViewInput],
+        views: impl IntoIterator<Item = &'v ViewInput>,
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Some(view) = views.first() else { return Ok(()) };
-        self.record_samples(gpu, encoder, views, volume)?;
+        let Some(view) = self.record_samples(gpu, encoder, views, volume)? else { return Ok(()) };
         self.add_light.record(gpu, encoder, (view, volume), &self.light_sums, light)
     }
 
@@ -146,7 +150,7 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        self.record_samples(gpu, encoder, std::slice::from_ref(view), volume)?;
+        self.record_samples(gpu, encoder, [view], volume)?;
         self.replace_light.record(gpu, encoder, (view, volume), &self.light_sums, light)
     }
 
@@ -162,19 +166,22 @@ impl Progressive {
         self.resolve.record(gpu, encoder, view, &self.attribute_sums, volume)
     }
 
-    fn record_samples(
+    /// Sums the samples of the views; returns one of them.
+    fn record_samples<'v>(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        views: &[ViewInput],
+        views: impl IntoIterator<Item = &'v ViewInput>,
         volume: &VolumeBuffer,
-    ) -> Result<(), GpuError> {
+    ) -> Result<Option<&'v ViewInput>, GpuError> {
         encoder.clear_buffer(&self.light_sums.raw, 0, None);
+        let mut last = None;
         for view in views {
             let sums = (&mut self.attribute_sums, &mut self.light_sums);
             self.injection.record(gpu, encoder, view, volume, sums)?;
+            last = Some(view);
         }
-        Ok(())
+        Ok(last)
     }
 }
 

@@ -27,7 +27,8 @@ pub struct ViewTextures {
 pub struct ViewInput {
     /// Its pictures.
     pub textures: ViewTextures,
-    pub(crate) uniform: Uniform<ViewUniform>,
+    /// The view as shaders see it: `ViewUniform` of [`crate::wgsl::VIEW`].
+    pub uniform: Uniform<ViewUniform>,
     pub(crate) points: UVec2,
 }
 
@@ -38,11 +39,6 @@ impl ViewInput {
         let points = points.min(UVec2::from(textures.depth.size()));
         let nothing: ViewUniform = bytemuck::Zeroable::zeroed();
         Self { textures, uniform: Uniform::new(gpu, label, &nothing), points }
-    }
-
-    /// The view as shaders see it: `ViewUniform` of [`crate::wgsl::VIEW`].
-    pub fn uniform(&self) -> &Uniform<ViewUniform> {
-        &self.uniform
     }
 
     /// Number of points it injects.

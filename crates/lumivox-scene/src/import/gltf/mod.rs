@@ -23,11 +23,16 @@ use crate::{Limits, Material, Scene, SceneError};
 use accessor::Reader;
 
 /// Reads an asset.
-pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<Scene, SceneError> {
-    fenced(source.name(), "glTF", || read(source, bytes, limits))
+pub(super) fn import(
+    source: &Source,
+    bytes: &[u8],
+    limits: &Limits,
+    shading: Shading,
+) -> Result<Scene, SceneError> {
+    fenced(source.name(), "glTF", || read(source, bytes, limits, shading))
 }
 
-fn read(source: &Source, bytes: &[u8], limits: &Limits) -> Result<Scene, SceneError> {
+fn read(source: &Source, bytes: &[u8], limits: &Limits, shading: Shading) -> Result<Scene, SceneError> {
     let chunks = container::split(source, bytes)?;
     let root = check::parse(source, chunks.json, limits)?;
     let mut scene = Scene::default();
@@ -56,7 +61,7 @@ fn read(source: &Source, bytes: &[u8], limits: &Limits) -> Result<Scene, SceneEr
                 Some(raw) => {
                     let raw = RawMesh { name, material, ..raw };
                     raw.check(source.name(), limits)?;
-                    scene.meshes.push(raw.into_mesh(Shading::FileOrFlat, &mut scene.report));
+                    scene.meshes.push(raw.into_mesh(shading, &mut scene.report));
                 }
                 None => scene.report.skipped_primitives += 1,
             }

@@ -1,0 +1,305 @@
+//! The command line.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::Vec3;
+use lumivox_render::{GiMethod, Layer, VoxelSource};
+
+/// Lights scenes with voxel volumes: progressive voxelization and indirect light on any GPU.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Walk through the built-in atrium: single-frame against progressive voxelization, pictures, an animation, timings.
+    Demo(DemoArgs),
+    /// Render one picture of a scene, or a series.
+    Render(RenderArgs),
+    /// Show the adapters, their tier and limits, and the largest grids that fit.
+    Info(InfoArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GpuArgs {
+    /// Take the adapter with this in its name.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// What to ask of the device: what every WebGPU device has, or all that this one has.
+    #[arg(long, value_enum, default_value = "native")]
+    pub(crate) tier: TierArg,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum TierArg {
+    Core,
+    Native,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder for everything the demo writes.
+    #[arg(long, default_value = "out/demo")]
+    pub(crate) out: PathBuf,
+    /// Frames of the walk.
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=2000))]
+    pub(crate) frames: u32,
+    /// Picture size.
+    #[arg(long, default_value = "400x225")]
+    pub(crate) size: Size,
+    /// Cells along the longest side of the scene.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=2048))]
+    pub(crate) grid: u32,
+    /// Propagation steps per frame.
+    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub(crate) iterations: u32,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    /// A scene file (.glb .gltf .obj .ply .stl .off .scene.json) or builtin:NAME[:DETAIL].
+    pub(crate) scene: String,
+    /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Picture size.
+    #[arg(long, default_value = "960x540")]
+    pub(crate) size: Size,
+    /// x,y,z:x,y,z[:degrees]: eye, target and vertical field of view. Without it the scene's first camera, else one that
+    /// shows the most.
+    #[arg(long, allow_hyphen_values = true, value_name = "EYE:TARGET[:FOV]")]
+    pub(crate) camera: Option<CameraArg>,
+    /// x,y,z:r,g,b or x,y,z:w: a sun instead of the scene's lights: the way its light travels, and its irradiance in W/m2.
+    #[arg(long, allow_hyphen_values = true, value_name = "DIRECTION:IRRADIANCE")]
+    pub(crate) sun: Option<SunArg>,
+    /// Render a series of frames instead of a settled still; scenes with a camera walk follow it.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) frames: Option<u32>,
+    /// Time of the (first) picture in seconds, for scenes that move.
+    #[arg(long, default_value_t = 0.0)]
+    pub(crate) time: f32,
+    /// Exposure in stops, for PNG.
+    #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
+    pub(crate) exposure: f32,
+    /// Cells along the longest side of the scene.
+    #[arg(long, default_value_t = 64)]
+    pub(crate) grid: u32,
+    /// Where voxels come from. Stills take triangles unless said otherwise, series progressive.
+    #[arg(long, value_enum)]
+    pub(crate) voxelizer: Option<VoxelizerArg>,
+    /// Indirect light.
+    #[arg(long, value_enum, default_value = "propagation")]
+    pub(crate) gi: GiArg,
+    /// What the picture shows.
+    #[arg(long, value_enum, default_value = "final")]
+    pub(crate) layer: LayerArg,
+    /// Propagation steps per frame. A still goes on until its light has settled.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub(crate) iterations: u32,
+    /// How much of its direction light keeps per step through empty cells, 0 to 1.
+    #[arg(long, default_value_t = lumivox::light::LightSettings::default().persistence)]
+    pub(crate) persistence: f32,
+    /// Write what was done as one JSON object.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// Write the same as one JSON object.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum VoxelizerArg {
+    /// All triangles of the scene.
+    Triangles,
+    /// What views have shown so far.
+    Progressive,
+    /// What views show in this frame.
+    SingleFrame,
+}
+
+impl From<VoxelizerArg> for VoxelSource {
+    fn from(arg: VoxelizerArg) -> Self {
+        match arg {
+            VoxelizerArg::Triangles => Self::Triangles,
+            VoxelizerArg::Progressive => Self::Progressive,
+            VoxelizerArg::SingleFrame => Self::SingleFrame,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum GiArg {
+    /// Direct light only.
+    Off,
+    /// Iterative propagation through the volume.
+    Propagation,
+}
+
+impl From<GiArg> for GiMethod {
+    fn from(arg: GiArg) -> Self {
+        match arg {
+            GiArg::Off => Self::Off,
+            GiArg::Propagation => Self::Propagation,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum LayerArg {
+    Final,
+    Direct,
+    Indirect,
+    Albedo,
+    Normal,
+    Depth,
+    Voxels,
+}
+
+impl From<LayerArg> for Layer {
+    fn from(arg: LayerArg) -> Self {
+        match arg {
+            LayerArg::Final => Self::Final,
+            LayerArg::Direct => Self::Direct,
+            LayerArg::Indirect => Self::Indirect,
+            LayerArg::Albedo => Self::Albedo,
+            LayerArg::Normal => Self::Normal,
+            LayerArg::Depth => Self::Depth,
+            LayerArg::Voxels => Self::Voxels,
+        }
+    }
+}
+
+/// Width and height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size(pub(crate) u32, pub(crate) u32);
+
+impl FromStr for Size {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (width, height) = text.split_once(['x', 'X']).context("a size is WIDTHxHEIGHT, for example 960x540")?;
+        let side = |s: &str| s.trim().parse::<u32>().with_context(|| format!("{s:?} is no number of pixels"));
+        let size = Self(side(width)?, side(height)?);
+        if [size.0, size.1].iter().any(|side| !(1..=8192).contains(side)) {
+            bail!("a picture has 1 to 8192 pixels a side");
+        }
+        Ok(size)
+    }
+}
+
+/// Eye, target and field of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CameraArg {
+    pub(crate) eye: Vec3,
+    pub(crate) target: Vec3,
+    pub(crate) fov_y_deg: f32,
+}
+
+impl FromStr for CameraArg {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let parts: Vec<&str> = text.split(':').collect();
+        let (eye, target, fov) = match parts.as_slice() {
+            [eye, target] => (eye, target, "60"),
+            [eye, target, fov] => (eye, target, *fov),
+            _ => bail!("a camera is x,y,z:x,y,z or x,y,z:x,y,z:degrees"),
+        };
+        let camera = Self { eye: triple(eye)?, target: triple(target)?, fov_y_deg: number(fov)? };
+        if camera.eye == camera.target {
+            bail!("a camera must look somewhere: its eye and target are the same point");
+        }
+        if !(1.0..=170.0).contains(&camera.fov_y_deg) {
+            bail!("the field of view must be 1 to 170 degrees");
+        }
+        Ok(camera)
+    }
+}
+
+/// Direction and irradiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SunArg {
+    pub(crate) direction: Vec3,
+    pub(crate) irradiance: Vec3,
+}
+
+impl FromStr for SunArg {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (direction, irradiance) =
+            text.split_once(':').context("a sun is x,y,z:r,g,b or x,y,z:w (direction and irradiance)")?;
+        let irradiance =
+            if irradiance.contains(',') { triple(irradiance)? } else { Vec3::splat(number(irradiance)?) };
+        if irradiance.min_element() < 0.0 {
+            bail!("irradiance cannot be negative");
+        }
+        let direction = triple(direction)?.try_normalize().context("the sun needs a direction that is not zero")?;
+        Ok(Self { direction, irradiance })
+    }
+}
+
+fn triple(text: &str) -> Result<Vec3> {
+    let values = text.split(',').map(number).collect::<Result<Vec<_>>>()?;
+    match values.as_slice() {
+        &[x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => bail!("{text:?} is not three numbers x,y,z"),
+    }
+}
+
+fn number(text: &str) -> Result<f32> {
+    let value: f32 = text.trim().parse().ok().with_context(|| format!("{text:?} is not a number"))?;
+    if !value.is_finite() {
+        bail!("{text:?} is not a finite number");
+    }
+    Ok(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn cameras_suns_and_sizes_are_read() {
+        let camera: CameraArg = "-1,2,3:0,1,0:45".parse().unwrap();
+        assert_eq!((camera.eye, camera.fov_y_deg), (Vec3::new(-1.0, 2.0, 3.0), 45.0));
+        let sun: SunArg = "0,-2,0:3,2,1".parse().unwrap();
+        assert_eq!((sun.direction, sun.irradiance), (Vec3::NEG_Y, Vec3::new(3.0, 2.0, 1.0)));
+        assert_eq!("320x180".parse::<Size>().unwrap(), Size(320, 180));
+    }
+
+    #[test]
+    fn nonsense_is_refused_in_words() {
+        for bad in ["", "1,2:3", "1,2,3:1,2,3", "1,2,3:0,0,0:400", "1,2,nan:0,0,0"] {
+            assert!(bad.parse::<CameraArg>().is_err(), "{bad}");
+        }
+        for bad in ["1,2,3", "0,0,0:1", "0,-1,0:-1", "0,-1,0:x"] {
+            assert!(bad.parse::<SunArg>().is_err(), "{bad}");
+        }
+        for bad in ["", "0x5", "5", "5x", "99999x5", "-1x5"] {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! `lumivox render`: one settled picture, or a series.
+
+use anyhow::{Context, Result, bail};
+use glam::{UVec2, Vec3};
+use indicatif::{ProgressBar, ProgressStyle};
+use lumivox::light::LightSettings;
+use lumivox_render::{GiMethod, Renderer, Settings, VoxelSource};
+use lumivox_scene::{Camera, Light, Scene};
+
+use crate::args::{LayerArg, RenderArgs};
+use crate::output::{self, Picture};
+use crate::stats::{self, AdapterStats, RenderStats, StageStats};
+use crate::{clock, framing, info};
+
+/// Light has settled when this share of what was sent out is still under way.
+const SETTLED: f64 = 0.002;
+/// A still gives up settling after this many propagation steps.
+const MAX_STEPS: u32 = 8192;
+/// Seconds of a camera walk, and between two frames of a series.
+const WALK_SECONDS: f32 = 8.0;
+const FRAME_SECONDS: f32 = 1.0 / 12.0;
+
+/// Runs the command.
+pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    output::format_of(&args.output)?;
+    if args.frames.is_some() {
+        output::numbered(&args.output, 0)?;
+    }
+    if !(args.time.is_finite() && args.exposure.is_finite() && (0.0..=1.0).contains(&args.persistence)) {
+        bail!("time and exposure must be finite, persistence 0 to 1");
+    }
+    let start = clock::millis();
+    let mut scene = lumivox_scene::load(&args.scene)?;
+    let load_ms = clock::millis() - start;
+    stats::warn_of_import(&scene);
+    light_scene(&mut scene, args);
+    let cameras = Cameras::new(&scene, args)?;
+
+    let gpu = info::open_gpu(&args.gpu)?;
+    let settings = settings(args);
+    let mut renderer = Renderer::new(&gpu, &scene, settings)?;
+    let mut work = Work::default();
+    match args.frames {
+        Some(count) => series(&mut renderer, args, &cameras, count, &mut work)?,
+        None => still(&mut renderer, args, &cameras.at(args.time), &mut work)?,
+    }
+    if let Some(path) = &args.stats {
+        let grid = renderer.volume().grid();
+        let stats = RenderStats {
+            scene: args.scene.clone(),
+            adapter: AdapterStats::new(&gpu),
+            size: [args.size.0, args.size.1],
+            triangles: scene.triangle_count(),
+            meshes: scene.meshes.len(),
+            textures: scene.textures.len(),
+            lights: scene.lights.len(),
+            grid: grid.dims.to_array(),
+            cell_size_m: grid.cell_size,
+            frames: work.frames,
+            iterations: work.iterations,
+            settled: work.settled,
+            load_ms,
+            total_ms: clock::millis() - start,
+            stages: work.stages,
+            import: scene.report.clone(),
+        };
+        stats::write(path, &stats)?;
+    }
+    Ok(())
+}
+
+/// What was done so far.
+#[derive(Debug, Default)]
+struct Work {
+    frames: u32,
+    iterations: u32,
+    settled: bool,
+    stages: Vec<StageStats>,
+}
+
+fn settings(args: &RenderArgs) -> Settings {
+    let still = args.frames.is_none();
+    let source = match args.voxelizer {
+        Some(voxelizer) => voxelizer.into(),
+        None if still => VoxelSource::Triangles,
+        None => VoxelSource::Progressive,
+    };
+    Settings {
+        size: UVec2::new(args.size.0, args.size.1),
+        grid: args.grid,
+        voxels: source,
+        gi: args.gi.into(),
+        // A still starts with none, to learn how much light there is to settle.
+        iterations: if still { 0 } else { args.iterations },
+        light: LightSettings { persistence: args.persistence, ..LightSettings::default() },
+        layer: args.layer.into(),
+        rsm_size: 2048,
+        ..Settings::default()
+    }
+}
+
+/// Frames until the light has settled. Views repeat, since a progressive volume grows while they do.
+fn still(renderer: &mut Renderer, args: &RenderArgs, camera: &Camera, work: &mut Work) -> Result<()> {
+    let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
+    renderer.set_camera(camera);
+    let mut frame = renderer.frame(clock)?;
+    stats::add_stages(&mut work.stages, &frame.stages);
+    work.frames = 1;
+    work.settled = true;
+    if renderer.settings().gi != GiMethod::Off && args.layer != LayerArg::Voxels && args.iterations > 0 {
+        let sent = renderer.flux_under_way()?;
+        let mut left = sent;
+        let bar = progress(100, "light settles");
+        while left > SETTLED * sent && work.iterations < MAX_STEPS {
+            frame = renderer.settle(args.iterations, clock)?;
+            stats::add_stages(&mut work.stages, &frame.stages);
+            work.frames += 1;
+            work.iterations += args.iterations;
+            left = renderer.flux_under_way()?;
+            bar.set_position((100.0 * ((left / sent).ln() / SETTLED.ln()).clamp(0.0, 1.0)) as u64);
+        }
+        bar.finish_and_clear();
+        work.settled = left <= SETTLED * sent;
+    }
+    write_frame(renderer, args, &args.output)
+}
+
+fn series(renderer: &mut Renderer, args: &RenderArgs, cameras: &Cameras, count: u32, work: &mut Work) -> Result<()> {
+    let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
+    let bar = progress(u64::from(count), "frames");
+    for n in 0..count {
+        renderer.set_camera(&cameras.at(args.time + FRAME_SECONDS * n as f32));
+        let frame = renderer.frame(clock)?;
+        stats::add_stages(&mut work.stages, &frame.stages);
+        work.frames += 1;
+        work.iterations += args.iterations;
+        write_frame(renderer, args, &output::numbered(&args.output, n)?)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn write_frame(renderer: &Renderer, args: &RenderArgs, path: &std::path::Path) -> Result<()> {
+    let pixels = renderer.read_picture()?;
+    let picture = Picture { width: args.size.0, height: args.size.1, pixels };
+    output::write_picture(path, &picture, args.layer.into(), args.exposure)
+}
+
+/// A bar on a terminal, nothing elsewhere.
+pub(crate) fn progress(length: u64, what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}");
+    let bar = ProgressBar::new(length).with_message(what);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// The lights of the command line, else the scene's, else a sun and a grey sky.
+fn light_scene(scene: &mut Scene, args: &RenderArgs) {
+    if let Some(sun) = args.sun {
+        scene.lights = vec![Light::Directional { direction: sun.direction, irradiance: sun.irradiance }];
+        scene.sky = Vec3::ZERO;
+        return;
+    }
+    let emits = scene.materials.iter().any(|m| m.emission.max_element() > 0.0);
+    if scene.lights.is_empty() && !emits && scene.sky == Vec3::ZERO {
+        eprintln!("lumivox: the scene has no light: a sun and a grey sky are added (--sun sets another)");
+        let direction = Vec3::new(0.35, -1.0, -0.45).normalize_or_zero();
+        scene.lights = vec![Light::Directional { direction, irradiance: Vec3::new(9.0, 8.4, 7.4) }];
+        scene.sky = Vec3::splat(0.4);
+    }
+}
+
+/// Where the camera is at a time.
+struct Cameras {
+    fixed: Option<Camera>,
+}
+
+impl Cameras {
+    fn new(scene: &Scene, args: &RenderArgs) -> Result<Self> {
+        let walks = args.scene.starts_with("builtin:atrium") && (args.frames.is_some() || args.time != 0.0);
+        if let Some(c) = args.camera {
+            let camera = Camera {
+                name: "command line".to_owned(),
+                eye: c.eye,
+                target: c.target,
+                up: Vec3::Y,
+                fov_y: c.fov_y_deg.to_radians(),
+            };
+            return Ok(Self { fixed: Some(camera) });
+        }
+        if walks {
+            return Ok(Self { fixed: None });
+        }
+        let camera = scene.cameras.first().cloned().or_else(|| framing::best_camera(scene));
+        Ok(Self { fixed: Some(camera.context("the scene has no triangles to frame")?) })
+    }
+
+    fn at(&self, seconds: f32) -> Camera {
+        let walk = || lumivox_scene::builtin::atrium_camera_path((seconds / WALK_SECONDS).clamp(0.0, 1.0));
+        self.fixed.clone().unwrap_or_else(walk)
+    }
+}

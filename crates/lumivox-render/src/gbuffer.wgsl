@@ -1,0 +1,20 @@
+// The camera's G-buffer.
+
+struct GBuffer {
+    @location(0) normal: vec4f,
+    @location(1) albedo: vec4f,
+    @location(2) emission: vec4f,
+}
+
+@fragment
+fn fragment(in: Varyings) -> GBuffer {
+    let surface = surface_at(in);
+    if surface.albedo.a < material.alpha_cutoff {
+        discard;
+    }
+    return GBuffer(
+        vec4f(surface.normal, 1.0),
+        vec4f(saturate(surface.albedo.rgb), 1.0),
+        vec4f(surface.emission, 1.0),
+    );
+}

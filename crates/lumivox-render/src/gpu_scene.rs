@@ -1,0 +1,254 @@
+//! A scene on the GPU: one vertex and one index buffer for all meshes, a bind group per material, a matrix per instance.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3, Vec4};
+use lumivox::gpu::{Bindings, Buffer, Gpu, GpuError, Program, Sampler, Texture, TextureOptions, Uniform};
+use lumivox_scene::{AlphaMode, Material, Scene, Texture as Image, Wrap};
+
+/// A vertex as the surface shaders read it: 36 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Vertex {
+    position: [f32; 3],
+    normal: [f32; 3],
+    uv: [f32; 2],
+    color: [u8; 4],
+}
+
+/// The layout of [`Vertex`].
+pub const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4];
+
+use lumivox::wgpu;
+
+lumivox::gpu_struct! {
+    /// A material as shaders see it.
+    pub struct MaterialUniform {
+        /// Linear albedo and opacity.
+        pub base_color: Vec4,
+        /// Emitted radiance.
+        pub emission: Vec3,
+        /// Surfaces less opaque than this are holes; negative for none.
+        pub alpha_cutoff: f32,
+    }
+}
+
+/// One indexed draw: a mesh at a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Draw {
+    /// Range in the index buffer.
+    pub indices: (u32, u32),
+    /// Added to every index.
+    pub base_vertex: i32,
+    /// Index of the instance's matrix.
+    pub instance: u32,
+    /// Index of the material.
+    pub material: usize,
+}
+
+/// What is drawn.
+#[derive(Debug)]
+pub struct GpuScene {
+    /// All vertices.
+    pub vertices: Buffer,
+    /// All indices, 32 bit.
+    pub indices: Buffer,
+    /// A matrix `world_from_local` per instance.
+    pub instances: Buffer,
+    /// Sorted by material.
+    pub draws: Vec<Draw>,
+    materials: Vec<GpuMaterial>,
+}
+
+#[derive(Debug)]
+struct GpuMaterial {
+    uniform: Uniform<MaterialUniform>,
+    base_color: usize,
+    emission: usize,
+    sampler: usize,
+}
+
+/// The textures and samplers that materials share.
+#[derive(Debug)]
+pub struct MaterialTextures {
+    textures: Vec<Texture>,
+    samplers: Vec<Sampler>,
+}
+
+impl GpuScene {
+    /// Uploads a scene. Textures get a full chain of mip levels, averaged in linear light.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<(Self, MaterialTextures), GpuError> {
+        let mut vertices = Vec::new();
+        let mut indices: Vec<u32> = Vec::new();
+        let mut ranges = Vec::new();
+        for mesh in &scene.meshes {
+            ranges.push(((indices.len() as u32, (indices.len() + 3 * mesh.indices.len()) as u32), vertices.len() as i32));
+            indices.extend(mesh.indices.iter().flatten());
+            vertices.extend((0..mesh.positions.len()).map(|i| Vertex {
+                position: mesh.positions[i],
+                normal: mesh.normals[i],
+                uv: mesh.uvs[i],
+                color: mesh.colors[i].map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8),
+            }));
+        }
+        let mut draws: Vec<Draw> = scene
+            .instances
+            .iter()
+            .enumerate()
+            .map(|(n, instance)| Draw {
+                indices: ranges[instance.mesh].0,
+                base_vertex: ranges[instance.mesh].1,
+                instance: n as u32,
+                material: scene.meshes[instance.mesh].material,
+            })
+            .collect();
+        draws.sort_by_key(|d| d.material);
+        let matrices: Vec<Mat4> = scene.instances.iter().map(|i| i.world_from_local).collect();
+
+        let mut textures = vec![upload_texture(gpu, &white())?];
+        for image in &scene.textures {
+            textures.push(upload_texture(gpu, image)?);
+        }
+        let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap)).collect();
+        let materials = scene.materials.iter().map(|m| GpuMaterial::new(gpu, m, scene)).collect();
+        let gpu_scene = Self {
+            vertices: filled(gpu, "scene/vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&vertices)),
+            indices: filled(gpu, "scene/indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
+            instances: Buffer::storage_with(gpu, "scene/instances", &matrices)?,
+            draws,
+            materials,
+        };
+        Ok((gpu_scene, MaterialTextures { textures, samplers }))
+    }
+
+    /// The bind group of every material for group 1 of a surface program.
+    pub fn bind_materials(
+        &self,
+        gpu: &Gpu,
+        shared: &MaterialTextures,
+        program: &Program,
+    ) -> Result<Vec<wgpu::BindGroup>, GpuError> {
+        let bind = |m: &GpuMaterial| {
+            let bindings = Bindings::new()
+                .read("material", &m.uniform)
+                .read("base_color_texture", &shared.textures[m.base_color])
+                .read("emission_texture", &shared.textures[m.emission])
+                .read("material_sampler", &shared.samplers[m.sampler]);
+            program.bind(gpu, 1, &bindings)
+        };
+        self.materials.iter().map(bind).collect()
+    }
+}
+
+impl GpuMaterial {
+    fn new(gpu: &Gpu, material: &Material, scene: &Scene) -> Self {
+        let alpha_cutoff = match material.alpha {
+            AlphaMode::Opaque => -1.0,
+            AlphaMode::Mask { cutoff } => cutoff,
+            AlphaMode::Blend => 0.5,
+        };
+        let value =
+            MaterialUniform { base_color: material.base_color, emission: material.emission, alpha_cutoff };
+        // Texture 0 is white; the scene's follow.
+        let slot = |texture: Option<usize>| texture.map_or(0, |t| t + 1);
+        let wrap = material.base_color_texture.or(material.emission_texture).map(|t| scene.textures[t].wrap);
+        let wanted = wrap.unwrap_or([Wrap::Repeat; 2]);
+        Self {
+            uniform: Uniform::new(gpu, "scene/material", &value),
+            base_color: slot(material.base_color_texture),
+            emission: slot(material.emission_texture),
+            sampler: WRAPS.iter().position(|w| *w == wanted).unwrap_or(0),
+        }
+    }
+}
+
+const WRAPS: [[Wrap; 2]; 9] = {
+    let kinds = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+    let mut wraps = [[Wrap::Repeat; 2]; 9];
+    let mut n = 0;
+    while n < 9 {
+        wraps[n] = [kinds[n % 3], kinds[n / 3]];
+        n += 1;
+    }
+    wraps
+};
+
+fn sampler(gpu: &Gpu, wrap: [Wrap; 2]) -> Sampler {
+    let mode = |wrap: Wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    };
+    Sampler::new(gpu, &wgpu::SamplerDescriptor {
+        label: Some("scene/sampler"),
+        address_mode_u: mode(wrap[0]),
+        address_mode_v: mode(wrap[1]),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}
+
+fn filled(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> Buffer {
+    let buffer = Buffer::with_usage(gpu, label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
+    gpu.queue.write_buffer(&buffer.raw, 0, bytes);
+    buffer
+}
+
+fn white() -> Image {
+    Image {
+        name: "white".to_owned(),
+        width: 1,
+        height: 1,
+        srgb: false,
+        pixels: vec![255; 4],
+        wrap: [Wrap::Repeat; 2],
+    }
+}
+
+fn upload_texture(gpu: &Gpu, image: &Image) -> Result<Texture, GpuError> {
+    let format =
+        if image.srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
+    let size = [image.width, image.height];
+    let mips = image.width.max(image.height).max(1).ilog2() + 1;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = Texture::new(gpu, &image.name, TextureOptions { size, format, usage, mips })?;
+    let mut level = (size, image.pixels.clone());
+    for mip_level in 0..mips {
+        let ([width, height], pixels) = &level;
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo { mip_level, ..texture.raw.as_image_copy() },
+            pixels,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * width),
+                rows_per_image: None,
+            },
+            wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
+        );
+        level = halved(&level.1, level.0, image.srgb);
+    }
+    Ok(texture)
+}
+
+/// The next mip level: means of 2 x 2 texels, taken in linear light.
+fn halved(pixels: &[u8], [width, height]: [u32; 2], srgb: bool) -> ([u32; 2], Vec<u8>) {
+    let half = [(width / 2).max(1), (height / 2).max(1)];
+    let mut out = Vec::with_capacity((4 * half[0] * half[1]) as usize);
+    for y in 0..half[1] {
+        for x in 0..half[0] {
+            let texel = |dx: u32, dy: u32, c: usize| {
+                let (x, y) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
+                let value = f32::from(pixels[(4 * (y * width + x)) as usize + c]) / 255.0;
+                if srgb && c < 3 { value.powf(2.2) } else { value }
+            };
+            for c in 0..4 {
+                let mean = 0.25 * (texel(0, 0, c) + texel(1, 0, c) + texel(0, 1, c) + texel(1, 1, c));
+                let value = if srgb && c < 3 { mean.powf(1.0 / 2.2) } else { mean };
+                out.push((255.0 * value + 0.5) as u8);
+            }
+        }
+    }
+    (half, out)
+}

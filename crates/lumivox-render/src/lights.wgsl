@@ -1,0 +1,42 @@
+// What a light sends to a surface.
+
+struct LightUniform {
+    position: vec3f,
+    kind: u32,
+    direction: vec3f,
+    beam: f32,
+    intensity: vec3f,
+    cutoff: f32,
+}
+
+const LIGHT_DIRECTIONAL: u32 = 0u;
+const LIGHT_POINT: u32 = 1u;
+const LIGHT_SPOT: u32 = 2u;
+const LIGHT_SPOT_GLTF: u32 = 3u;
+const PI: f32 = 3.1415927;
+
+fn spot_factor(light: LightUniform, toward_surface: vec3f) -> f32 {
+    let cosine = clamp(dot(toward_surface, light.direction), -1.0, 1.0);
+    if light.kind == LIGHT_SPOT {
+        // Falls linearly with the angle.
+        return saturate((light.cutoff - acos(cosine)) / max(light.cutoff - light.beam, 1e-4));
+    }
+    let edge = cos(light.cutoff);
+    let ramp = saturate((cosine - edge) / max(cos(light.beam) - edge, 1e-4));
+    return ramp * ramp;
+}
+
+// Unshadowed irradiance in W/m2 on a surface at p whose visible side faces n.
+fn light_irradiance(light: LightUniform, p: vec3f, n: vec3f) -> vec3f {
+    if light.kind == LIGHT_DIRECTIONAL {
+        return light.intensity * max(dot(n, -light.direction), 0.0);
+    }
+    let away = p - light.position;
+    let distance2 = max(dot(away, away), 1e-8);
+    let toward_surface = away * inverseSqrt(distance2);
+    var factor = max(dot(n, -toward_surface), 0.0) / distance2;
+    if light.kind != LIGHT_POINT {
+        factor *= spot_factor(light, toward_surface);
+    }
+    return factor * light.intensity;
+}

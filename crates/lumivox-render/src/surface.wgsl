@@ -1,0 +1,69 @@
+// Surfaces: the vertex stage and the material, shared by G-buffers and reflective shadow maps.
+
+struct MaterialUniform {
+    base_color: vec4f,
+    emission: vec3f,
+    alpha_cutoff: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: ViewUniform;
+@group(0) @binding(1) var<storage, read> instances: array<mat4x4f>;
+@group(1) @binding(0) var<uniform> material: MaterialUniform;
+@group(1) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(1) @binding(2) var emission_texture: texture_2d<f32>;
+@group(1) @binding(3) var material_sampler: sampler;
+
+struct Varyings {
+    @builtin(position) clip: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) color: vec4f,
+}
+
+@vertex
+fn vertex(
+    @builtin(instance_index) instance: u32,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) color: vec4f,
+) -> Varyings {
+    let world_from_local = instances[instance];
+    let world = world_from_local * vec4f(position, 1.0);
+    // The cofactor matrix turns normals right under any scale, mirrored ones too.
+    let m = mat3x3f(world_from_local[0].xyz, world_from_local[1].xyz, world_from_local[2].xyz);
+    let cofactor = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+    return Varyings(view.clip_from_world * world, world.xyz, cofactor * normal, uv, color);
+}
+
+struct Surface {
+    albedo: vec4f,
+    emission: vec3f,
+    normal: vec3f,
+}
+
+// The normal on the side that the view sees. The face decides the side, since an interpolated normal near a silhouette may
+// look away while its face does not.
+fn facing_normal(world: vec3f, normal: vec3f) -> vec3f {
+    let face = cross(dpdx(world), dpdy(world));
+    let m = view.clip_from_world;
+    let orthographic = m[0].w == 0.0 && m[1].w == 0.0 && m[2].w == 0.0;
+    let eye_position = (view.eye_from_world * vec4f(world, 1.0)).xyz;
+    let eye_face = (view.eye_from_world * vec4f(face, 0.0)).xyz;
+    let toward_view = select(-eye_position, vec3f(0.0, 0.0, 1.0), orthographic);
+    let visible_face = select(face, -face, dot(eye_face, toward_view) < 0.0);
+    let length2 = dot(normal, normal);
+    if length2 < 1e-20 {
+        return normalize(visible_face);
+    }
+    let n = normal * inverseSqrt(length2);
+    return select(n, -n, dot(n, visible_face) < 0.0);
+}
+
+fn surface_at(in: Varyings) -> Surface {
+    let base = textureSample(base_color_texture, material_sampler, in.uv);
+    let glow = textureSample(emission_texture, material_sampler, in.uv).rgb;
+    let albedo = material.base_color * base * in.color;
+    return Surface(albedo, material.emission * glow, facing_normal(in.world, in.normal));
+}

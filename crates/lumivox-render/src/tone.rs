@@ -1,0 +1,57 @@
+//! The tone curve of PNG output.
+//!
+//! Radiance is scaled by `2^EV`, then each channel goes through Hable's filmic curve, normalised so that 11.2 becomes white,
+//! then the sRGB transfer function. Radiance 0.18 at exposure 0 becomes a middle grey (sRGB 0.38); the shoulder
+//! keeps bright surfaces from clipping, the toe keeps shadows deep. Layers that are not radiance (albedo, normal) skip the
+//! curve, and depth is shown from white (near) to black (far).
+
+use glam::Vec3;
+
+/// Input that becomes white.
+const WHITE: f32 = 11.2;
+/// Brings middle grey to where the eye expects it after the curve has pressed highlights down.
+const PRE_EXPOSURE: f32 = 2.0;
+
+/// Linear radiance to sRGB bytes.
+pub fn tone_mapped(radiance: Vec3, exposure_ev: f32) -> [u8; 3] {
+    let scaled = PRE_EXPOSURE * exposure_ev.exp2() * radiance.max(Vec3::ZERO);
+    srgb_bytes(scaled.to_array().map(|c| hable(c) / hable(WHITE)).into())
+}
+
+/// Linear values 0..1 to sRGB bytes.
+pub fn srgb_bytes(linear: Vec3) -> [u8; 3] {
+    linear.to_array().map(|c| (255.0 * srgb_from_linear(c.clamp(0.0, 1.0)) + 0.5) as u8)
+}
+
+/// The curve of Hable, *Uncharted 2: HDR lighting* (2010), with its published constants.
+fn hable(x: f32) -> f32 {
+    const A: f32 = 0.15;
+    const B: f32 = 0.50;
+    const C: f32 = 0.10;
+    const D: f32 = 0.20;
+    const E: f32 = 0.02;
+    const F: f32 = 0.30;
+    (x * (A * x + C * B) + D * E) / (x * (A * x + B) + D * F) - E / F
+}
+
+fn srgb_from_linear(c: f32) -> f32 {
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn black_stays_black_and_brighter_is_never_darker() {
+        assert_eq!(tone_mapped(Vec3::ZERO, 0.0), [0; 3]);
+        let ramp: Vec<u8> = (0..200).map(|i| tone_mapped(Vec3::splat(0.05 * i as f32), 0.0)[0]).collect();
+        assert!(ramp.is_sorted());
+        assert_eq!(*ramp.last().unwrap(), 255);
+    }
+
+    #[test]
+    fn one_stop_doubles_radiance() {
+        assert_eq!(tone_mapped(Vec3::splat(0.4), 0.0), tone_mapped(Vec3::splat(0.2), 1.0));
+    }
+}
