@@ -169,7 +169,10 @@ mod tests {
             assert_eq!(extension(name), end, "{name}");
         }
         let text = load("walls.blend").unwrap_err().to_string();
-        assert!(text.starts_with("walls.blend: unknown file type 'blend'; supported are .glb .gltf .obj"), "{text}");
+        assert!(
+            text.starts_with("walls.blend: unknown file type 'blend'; supported are .glb .gltf .obj"),
+            "{text}"
+        );
         let text = load("no-such.glb").unwrap_err().to_string();
         assert!(text.starts_with("no-such.glb: cannot be read"), "{text}");
     }

@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 
+use super::DEFAULT_ALBEDO;
 use super::source::Source;
 use super::texture::Textures;
-use super::DEFAULT_ALBEDO;
 use crate::{AlphaMode, Limits, Material, Scene, SceneError, Wrap};
 
 /// One material as the file states it.

@@ -113,12 +113,8 @@ fn libraries(
 }
 
 fn geometry(text: &str, materials: &[mtl::MtlMaterial]) -> Result<Vec<tobj::Model>, tobj::LoadError> {
-    let options = tobj::LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-    };
+    let options =
+        tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let given = Cell::new(false);
     // All libraries at the first mention: the numbers of the materials are then those of `materials`.
     let library = |_: &std::path::Path| {
@@ -161,7 +157,8 @@ mod tests {
 
     #[test]
     fn polygons_relative_indices_and_partial_colours_are_read() {
-        let scene = parse("v 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0.25\nf -4/1 -3/1 -2/1 -1/1\n").unwrap();
+        let scene =
+            parse("v 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0.25\nf -4/1 -3/1 -2/1 -1/1\n").unwrap();
         let mesh = &scene.meshes[0];
         assert_eq!((mesh.indices.len(), mesh.uvs[0], mesh.normals[0]), (2, [0.0, 0.75], [0.0, 0.0, 1.0]));
         assert_eq!(scene.report.warnings.len(), 1);

@@ -71,7 +71,8 @@ mod tests {
 
     #[test]
     fn polygons_comments_and_colours_are_understood() {
-        let raw = parse("COFF # c\n4 1 0\n0 0 0 1 1 1 1\n\n1 0 0\n1 1 0\n# x\n0 1 0\n4 0 1 2 3 255 0 0\n").unwrap();
+        let raw =
+            parse("COFF # c\n4 1 0\n0 0 0 1 1 1 1\n\n1 0 0\n1 1 0\n# x\n0 1 0\n4 0 1 2 3 255 0 0\n").unwrap();
         assert_eq!(raw.indices, [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(parse("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2").unwrap().indices.len(), 1);
     }

@@ -54,7 +54,9 @@ fn read(
                 if other == "tristrips" {
                     report.warn("triangle strips of the PLY file are left out");
                 }
-                Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header).map_err(fail)?;
+                Parser::<Skipped>::new()
+                    .read_payload_for_element(&mut reader, element, &header)
+                    .map_err(fail)?;
             }
         }
     }
@@ -240,7 +242,8 @@ mod tests {
 
     #[test]
     fn claims_beyond_the_file_are_refused_before_reading() {
-        let header = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n";
+        let header =
+            "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n";
         assert!(parse(header).unwrap_err().to_string().contains("4000000000 rows of 'vertex'"));
         let header = "ply\nformat binary_little_endian 1.0\nelement foo 9\nend_header\n";
         assert!(parse(header).is_err());

@@ -34,9 +34,8 @@ pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<R
             return Err(source.malformed(format!("has {size} bytes, too few for a binary STL")));
         };
         if needed > size {
-            return Err(source.malformed(format!(
-                "states {stated} triangles, which take {needed} bytes, but has {size}"
-            )));
+            return Err(source
+                .malformed(format!("states {stated} triangles, which take {needed} bytes, but has {size}")));
         }
         check_limit(source.name(), "the number of triangles", u64::from(stated), limits.triangles)?;
         let number = |b: &[u8], at: usize| f32::from_le_bytes([b[at], b[at + 1], b[at + 2], b[at + 3]]);
