@@ -10,6 +10,21 @@
 //! - [`closed_form`]: light transport with known answers;
 //! - [`metrics`]: how far one picture is from another.
 //!
+//! ```
+//! use glam::Vec3;
+//! use lumivox_oracle::scene::{Light, Material, Scene, Triangle};
+//! use lumivox_oracle::tracer::Tracer;
+//!
+//! let mut scene = Scene::default();
+//! scene.materials.push(Material::matte(Vec3::splat(0.5)));
+//! scene.triangles.push(Triangle::flat([Vec3::ZERO, Vec3::Z, Vec3::X], 0));
+//! scene.lights.push(Light::Directional { direction: -Vec3::Y, irradiance: Vec3::splat(3.0) });
+//! let tracer = Tracer::new(&scene)?;
+//! let above = tracer.irradiance(Vec3::new(0.2, 0.1, 0.2), Vec3::Y, None, 16, 0);
+//! assert_eq!(above.direct, Vec3::splat(3.0));
+//! # Ok::<(), lumivox_oracle::scene::SceneError>(())
+//! ```
+//!
 //! Conventions are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709; light in radiometric units.
 
 pub mod closed_form;
