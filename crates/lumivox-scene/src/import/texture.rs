@@ -10,19 +10,20 @@ use crate::{Limits, Scene, SceneError, Texture, Wrap};
 /// Decodes the images of one scene within its budget of pixels.
 pub(crate) struct Textures<'a> {
     limits: &'a Limits,
+    read: u64,
     kept: u64,
     decoded: u64,
 }
 
 impl<'a> Textures<'a> {
     pub(crate) fn new(limits: &'a Limits) -> Self {
-        Self { limits, kept: 0, decoded: 0 }
+        Self { limits, read: 0, kept: 0, decoded: 0 }
     }
 
     /// Adds an sRGB image to the scene and returns its index. One that cannot be decoded is a warning and `None`.
     ///
     /// # Errors
-    /// If all images together have more pixels than the limits allow.
+    /// If all images together have more bytes or pixels than the limits allow.
     pub(crate) fn add(
         &mut self,
         name: &str,
@@ -30,6 +31,8 @@ impl<'a> Textures<'a> {
         wrap: [Wrap; 2],
         scene: &mut Scene,
     ) -> Result<Option<usize>, SceneError> {
+        self.read += bytes.len() as u64;
+        check_limit(name, "the size of all images in bytes", self.read, self.limits.buffer_bytes)?;
         match self.decode(bytes) {
             Ok((image, shrunk)) => {
                 scene.report.shrunk_textures += u64::from(shrunk);

@@ -93,7 +93,7 @@ fn camera_of(camera: &gltf::Camera, node: Option<&str>, world_from_local: &Mat4)
     let forward = world_from_local.transform_vector3(Vec3::NEG_Z).try_normalize()?;
     let up = world_from_local.transform_vector3(Vec3::Y).try_normalize()?;
     let fov_y = perspective.yfov();
-    let usable = forward.cross(up).length() > 1e-3 && fov_y > 1e-3 && fov_y < 3.14;
+    let usable = forward.cross(up).length() > 1e-3 && fov_y > 1e-3 && fov_y < std::f32::consts::PI - 1e-3;
     let name = node.or(camera.name()).unwrap_or_default().to_owned();
     usable.then_some(Camera { name, eye, target: eye + forward, up, fov_y })
 }

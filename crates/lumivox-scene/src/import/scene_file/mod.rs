@@ -30,7 +30,7 @@ pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<S
     let file: File =
         serde_json::from_str(text).map_err(|e| source.malformed(format!("is no valid scene file: {e}")))?;
 
-    let mut loader = Loader { source, limits, scene: Scene::default(), known: HashMap::new() };
+    let mut loader = Loader { source, limits, scene: Scene::default(), known: HashMap::new(), read: 0 };
     if let Some(entry) = &file.camera {
         let camera = camera(entry).map_err(|why| source.malformed(format!("has a camera {why}")))?;
         loader.scene.cameras.push(camera);
@@ -79,6 +79,8 @@ struct Loader<'a> {
     scene: Scene,
     /// Meshes of files that were read before, by everything that shapes them but their place.
     known: HashMap<String, Vec<Instance>>,
+    /// Bytes of all files so far.
+    read: u64,
 }
 
 impl Loader<'_> {
@@ -177,6 +179,9 @@ impl Loader<'_> {
         check_extension(file).map_err(within)?;
         let beside = self.source.beside(file).map_err(within)?;
         let bytes = beside.read_self(self.limits).map_err(within)?;
+        self.read += bytes.len() as u64;
+        let total = ("the size of its files in bytes", self.limits.buffer_bytes);
+        check_limit(self.source.name(), total.0, self.read, total.1)?;
         let other = import_meshes(&beside, &bytes, self.limits, entry.smooth).map_err(within)?;
         drop(bytes);
         let scene = &mut self.scene;

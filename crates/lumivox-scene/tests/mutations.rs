@@ -1,0 +1,269 @@
+//! Thousands of damaged files for every importer, always the same ones: each must end in a scene or an error, without
+//! a panic and without taking long.
+
+use std::panic::catch_unwind;
+use std::time::{Duration, Instant};
+
+use lumivox_scene::{Limits, SceneError, load_bytes};
+
+/// Much longer than any of these small files takes, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// xorshift: the same damage on every machine.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as usize % n.max(1)
+    }
+}
+
+/// Words that stand where a number stood.
+const NUMBERS: &[&str] = &[
+    "0",
+    "-1",
+    "1",
+    "2",
+    "3",
+    "255",
+    "65535",
+    "4294967295",
+    "4294967296",
+    "18446744073709551615",
+    "1e39",
+    "-0.0",
+    "1e-45",
+    "nan",
+    "inf",
+    "",
+    "\"\"",
+    "null",
+    "5126",
+    "5121",
+    "5123",
+    "5125",
+    "[]",
+    "{}",
+    "99999999999999999999",
+];
+
+/// One to four edits: bytes changed, removed, doubled or cut off, numbers replaced.
+fn damaged(original: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = original.to_vec();
+    for _ in 0..1 + random.below(4) {
+        let at = random.below(bytes.len());
+        match random.below(10) {
+            0 => bytes.truncate(at),
+            1 if at < bytes.len() => bytes[at] = random.below(256) as u8,
+            2 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+            3 => {
+                let end = (at + 1 + random.below(12)).min(bytes.len());
+                bytes.drain(at.min(end)..end);
+            }
+            4 => {
+                let end = (at + 1 + random.below(60)).min(bytes.len());
+                let piece = bytes[at.min(end)..end].to_vec();
+                let to = random.below(bytes.len());
+                bytes.splice(to..to, piece);
+            }
+            _ => replace_number(&mut bytes, at, random),
+        }
+    }
+    bytes
+}
+
+/// Replaces the next run of digits after `at` by another number.
+fn replace_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
+    let Some(start) = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()) else { return };
+    let end =
+        (start..bytes.len()).find(|&i| !bytes[i].is_ascii_digit() && bytes[i] != b'.').unwrap_or(bytes.len());
+    bytes.splice(start..end, NUMBERS[random.below(NUMBERS.len())].bytes());
+}
+
+/// Runs `count` damaged versions; `finish` may repair what would only hide deeper faults, such as lengths.
+fn run(name: &str, original: &[u8], count: u32, finish: impl Fn(Vec<u8>) -> Vec<u8>) {
+    load_bytes(name, &finish(original.to_vec()), &Limits::default()).expect("the undamaged file is sound");
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let (mut scenes, mut caught) = (0, Vec::new());
+    for i in 0..count {
+        let bytes = finish(damaged(original, &mut random));
+        let start = Instant::now();
+        let result = catch_unwind(|| load_bytes(name, &bytes, &Limits::default()));
+        let shown = || String::from_utf8_lossy(&bytes).into_owned();
+        assert!(start.elapsed() < PATIENCE, "{name} {i} took {:?}: {}", start.elapsed(), shown());
+        match result {
+            Err(_) => panic!("{name} {i} panicked: {}", shown()),
+            Ok(Err(SceneError::Parser { reason, .. })) if !caught.contains(&reason) => caught.push(reason),
+            Ok(Err(error)) => assert!(!error.to_string().is_empty()),
+            Ok(Ok(scene)) => {
+                scenes += 1;
+                for mesh in &scene.meshes {
+                    let n = mesh.positions.len();
+                    assert_eq!([mesh.normals.len(), mesh.uvs.len(), mesh.colors.len()], [n; 3]);
+                    assert!(mesh.indices.iter().flatten().all(|&v| (v as usize) < n));
+                    assert!(mesh.positions.iter().flatten().all(|v| v.is_finite()));
+                    assert!(mesh.material < scene.materials.len());
+                }
+                assert!(scene.instances.iter().all(|k| k.mesh < scene.meshes.len()));
+            }
+        }
+    }
+    // The importers' own checks find everything first; the fence is for what no one has thought of.
+    assert_eq!(caught, Vec::<String>::new(), "{name}: panics within a parser");
+    assert!(scenes > 0, "{name}: the damage is so heavy that it tests nothing");
+}
+
+/// A GLB with most of what the importer reads: sparse and strided accessors, strips, textures, camera and light.
+fn gltf_json(png: usize) -> String {
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,3]}}],
+"extensionsUsed":["KHR_lights_punctual","KHR_materials_emissive_strength"],
+"extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"spot","intensity":3,"spot":{{"outerConeAngle":0.5}}}}]}}}},
+"nodes":[{{"children":[1,2],"translation":[1,2,3]}},{{"mesh":0,"scale":[2,2,2]}},{{"camera":0,"rotation":[0,0,0,1]}},
+{{"extensions":{{"KHR_lights_punctual":{{"light":0}}}},"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}}],
+"cameras":[{{"type":"perspective","perspective":{{"yfov":0.7,"znear":0.1}}}}],
+"materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[1,0.5,0.2,1],"baseColorTexture":{{"index":0}}}},"alphaMode":"MASK",
+"emissiveFactor":[1,1,0],"extensions":{{"KHR_materials_emissive_strength":{{"emissiveStrength":4}}}}}}],
+"textures":[{{"source":0,"sampler":0}}],"samplers":[{{"wrapS":33071,"wrapT":33648}}],
+"images":[{{"bufferView":2,"mimeType":"image/png"}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}},"indices":4,"material":0}},
+{{"attributes":{{"POSITION":5}},"mode":5}}]}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}},
+{{"bufferView":0,"byteOffset":12,"componentType":5126,"count":4,"type":"VEC3"}},
+{{"bufferView":0,"byteOffset":8,"componentType":5123,"normalized":true,"count":4,"type":"VEC2"}},
+{{"bufferView":0,"byteOffset":4,"componentType":5121,"normalized":true,"count":4,"type":"VEC4"}},
+{{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}},
+{{"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1],"sparse":{{"count":2,
+"indices":{{"bufferView":1,"byteOffset":2,"componentType":5123}},"values":{{"bufferView":0}}}}}}],
+"bufferViews":[{{"buffer":0,"byteLength":96,"byteStride":24}},{{"buffer":0,"byteOffset":96,"byteLength":12}},
+{{"buffer":0,"byteOffset":108,"byteLength":{png}}}],"buffers":[{{"byteLength":{}}}]}}"#,
+        108 + png
+    )
+}
+
+fn gltf_buffer() -> (Vec<u8>, usize) {
+    let mut bytes: Vec<u8> = Vec::new();
+    for [x, y] in [[0.0f32, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
+        bytes.extend([x, y, 0.0, 0.0, 0.0, 1.0].iter().flat_map(|v| v.to_le_bytes()));
+    }
+    bytes.extend([0u16, 1, 2, 0, 2, 3].iter().flat_map(|v| v.to_le_bytes()));
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::new(2, 2)
+        .write_to(&mut png, image::ImageFormat::Png)
+        .expect("two pixels can be written");
+    bytes.extend(png.get_ref());
+    (bytes, png.get_ref().len())
+}
+
+fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
+    let padded = |bytes: &[u8], with: u8| [bytes, &vec![with; bytes.len().wrapping_neg() % 4]].concat();
+    let (json, bin) = (padded(json, b' '), padded(bin, 0));
+    let length = (12 + 8 + json.len() + 8 + bin.len()) as u32;
+    let u = |n: usize| (n as u32).to_le_bytes();
+    let parts: [&[u8]; 9] = [
+        b"glTF",
+        &2u32.to_le_bytes(),
+        &length.to_le_bytes(),
+        &u(json.len()),
+        b"JSON",
+        &json,
+        &u(bin.len()),
+        b"BIN\0",
+        &bin,
+    ];
+    parts.concat()
+}
+
+#[test]
+fn glb_json() {
+    let (bin, png) = gltf_buffer();
+    run("m.glb", gltf_json(png).as_bytes(), 6000, |json| glb(&json, &bin));
+}
+
+#[test]
+fn glb_bytes() {
+    let (bin, png) = gltf_buffer();
+    run("m.glb", &glb(gltf_json(png).as_bytes(), &bin), 3000, |bytes| bytes);
+    run("m.glb", &bin, 1000, |bin| glb(gltf_json(png).as_bytes(), &bin));
+}
+
+#[test]
+fn obj() {
+    let text = "mtllib m.mtl\no a\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0 1 1 1\nvt 0 0\nvt 1 0\nvn 0 0 1\n\
+        usemtl red\nf 1/1/1 2/2/1 3/1/1 4/2/1\ng b\nf -4//1 -3//1 -2//1\nf 1 2 3\nl 1 2\np 1\ns off\n";
+    run("m.obj", text.as_bytes(), 4000, |bytes| bytes);
+}
+
+#[test]
+fn mtl() {
+    let text = "newmtl red\nKd 0.6 0.1 0.1\nKe 1 1 1\nd 0.5\nmap_Kd -s 1 1 1 t.png\nmap_d t.png\nnewmtl b\nKd 0.5\nKd\nillum 2\n";
+    let folder = std::env::temp_dir().join(format!("lumivox-mtl-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (obj, mtl) = (folder.join("m.obj"), folder.join("m.mtl"));
+    std::fs::write(&obj, "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl b\nf 3 2 1\n")
+        .unwrap();
+    let mut random = Random(77);
+    for i in 0..2000 {
+        std::fs::write(&mtl, damaged(text.as_bytes(), &mut random)).unwrap();
+        let scene = lumivox_scene::load(&obj.display().to_string());
+        let scene = scene.unwrap_or_else(|e| panic!("{i}: a library must not spoil its model: {e}"));
+        assert_eq!(scene.triangle_count(), 2);
+        assert!(scene.materials.iter().all(|m| m.base_color.is_finite() && m.emission.is_finite()));
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn ply() {
+    let text = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\nproperty double z\n\
+        property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n\
+        property list uchar int vertex_indices\nelement edge 1\nproperty int vertex1\nend_header\n\
+        0 0 0 255 0 0\n1 0 0 255 0 0\n1 1 0 0 255 0\n0 1 0 0 0 55\n4 0 1 2 3\n3 0 1 2\n1\n";
+    run("m.ply", text.as_bytes(), 3000, |bytes| bytes);
+    for (format, big) in [("binary_little_endian", false), ("binary_big_endian", true)] {
+        let header = format!(
+            "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 1\nproperty list uint int vertex_indices\nend_header\n"
+        );
+        let mut bytes = header.into_bytes();
+        let put = |v: [u8; 4]| if big { v.into_iter().rev().collect::<Vec<_>>() } else { v.to_vec() };
+        for v in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+            bytes.extend(put(v.to_le_bytes()));
+        }
+        for v in [3i32, 0, 1, 2] {
+            bytes.extend(put(v.to_le_bytes()));
+        }
+        run("m.ply", &bytes, 2000, |bytes| bytes);
+    }
+}
+
+#[test]
+fn stl() {
+    let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\nendsolid a\n";
+    run("m.stl", text.as_bytes(), 3000, |bytes| bytes);
+    let mut bytes = vec![b' '; 80];
+    bytes.extend(2u32.to_le_bytes());
+    bytes.extend((0..100).map(|i| (i * 7) as u8));
+    run("m.stl", &bytes, 1000, |bytes| bytes);
+}
+
+#[test]
+fn off() {
+    let text = "OFF\n# c\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n4 0 1 2 3 255 0 0\n";
+    run("m.off", text.as_bytes(), 3000, |bytes| bytes);
+}
+
+#[test]
+fn scene_file() {
+    let text = r#"{"camera": {"eye": [0,1,3.4], "target": [0,1,0], "up": [0,1,0], "fov_y_deg": 39.3},
+"lights": [{"type": "point", "position": [0,1.9,0], "intensity": [5,5,5]},
+{"type": "directional", "direction": [0.3,-1,0.2], "irradiance": [3,3,3]},
+{"type": "spot", "position": [0,2,0], "target": [0,0,0], "intensity": [9,9,9], "cutoff_deg": 30, "beam_deg": 25},
+{"type": "rect", "origin": [0,0,0], "u": [1,0,0], "v": [0,0,1], "radiance": [5,5,5]}, {"type": "constant", "radiance": [1,1,1]}],
+"meshes": [{"quad": [[0,0,0],[1,0,0],[1,0,1],[0,0,1]], "albedo": [0.7,0.1,0.1], "scale": 2, "rotate_deg": [0,90,0]},
+{"box": {"center": [0,0.3,0], "size": [0.6,0.6,0.6], "rot_y_deg": 15}, "emission": [1,1,1], "scale": [1,2,3]}]}"#;
+    run("m.scene.json", text.as_bytes(), 4000, |bytes| bytes);
+}
