@@ -149,14 +149,4 @@ fn triangles_of(corners: &[u32], mode: Mode) -> Vec<[u32; 3]> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn strips_and_fans_keep_their_winding() {
-        assert_eq!(triangles_of(&[0, 1, 2, 3, 4], Mode::TriangleStrip), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
-        assert_eq!(triangles_of(&[0, 1, 2, 3], Mode::TriangleFan), [[1, 2, 0], [2, 3, 0]]);
-        assert_eq!(triangles_of(&[0, 1, 2, 3, 4], Mode::Triangles), [[0, 1, 2]]);
-        assert!(triangles_of(&[], Mode::TriangleFan).is_empty());
-    }
-}
+mod tests;
