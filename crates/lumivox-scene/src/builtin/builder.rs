@@ -22,6 +22,7 @@ impl Builder {
     }
 
     /// A sheet of `steps` cells: `surface(s, t)` gives position and normal for `s, t` in 0..1, neighbours share vertices.
+    /// Triangles are wound after the normals, whichever way `s` and `t` run.
     pub(super) fn sheet(&mut self, steps: [u32; 2], color: Vec3, surface: impl Fn(f32, f32) -> (Vec3, Vec3)) {
         let [n, m] = steps.map(|s| s.max(1));
         let first = self.mesh.positions.len() as u32;
@@ -36,9 +37,19 @@ impl Builder {
             for i in 0..n {
                 let a = first + j * (n + 1) + i;
                 let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
-                self.mesh.indices.extend([[a, b, c], [a, c, d]]);
+                self.triangle([a, b, c]);
+                self.triangle([a, c, d]);
             }
         }
+    }
+
+    /// One triangle, wound so that its front is where its normals point.
+    fn triangle(&mut self, [a, b, c]: [u32; 3]) {
+        let m = &self.mesh;
+        let at = |i: u32| Vec3::from(m.positions[i as usize]);
+        let normals: Vec3 = [a, b, c].iter().map(|&i| Vec3::from(m.normals[i as usize])).sum();
+        let front = (at(b) - at(a)).cross(at(c) - at(a)).dot(normals) >= 0.0;
+        self.mesh.indices.push(if front { [a, b, c] } else { [a, c, b] });
     }
 
     /// A flat parallelogram of `steps` cells with the normal `u x v`.

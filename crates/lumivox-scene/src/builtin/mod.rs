@@ -59,7 +59,8 @@ mod tests {
                 let count = scene.triangle_count();
                 assert!(count > last, "{name}:{detail} has {count} triangles, one level down {last}");
                 last = count;
-                check_sound(name, &scene);
+                // Coarse cloth has folds of two faces, whose shared normals fit neither well.
+                check_sound(name, &scene, if detail < 2 { -0.3 } else { 0.0 });
             }
             assert_eq!(
                 by_name(name).unwrap().triangle_count(),
@@ -68,7 +69,7 @@ mod tests {
         }
     }
 
-    fn check_sound(name: &str, scene: &Scene) {
+    fn check_sound(name: &str, scene: &Scene, steepest: f32) {
         assert!(!scene.cameras.is_empty(), "{name}");
         assert_eq!(scene.report, crate::ImportReport::default());
         for mesh in &scene.meshes {
@@ -78,6 +79,14 @@ mod tests {
             assert!(mesh.normals.iter().all(|&n| Vec3::from(n).is_normalized()), "{name} {}", mesh.name);
             assert!(mesh.indices.iter().flatten().all(|&i| (i as usize) < count));
             assert!(mesh.material < scene.materials.len());
+            for t in &mesh.indices {
+                let [a, b, c] = t.map(|i| Vec3::from(mesh.positions[i as usize]));
+                // Renderers turn the normal to the side they see, and know the side from the winding.
+                let face = (b - a).cross(c - a).normalize_or_zero();
+                let least =
+                    t.map(|i| face.dot(mesh.normals[i as usize].into())).into_iter().fold(1.0, f32::min);
+                assert!(face == Vec3::ZERO || least > steepest, "{name} {}: {least} at {a}", mesh.name);
+            }
         }
         for m in &scene.materials {
             assert!(m.base_color.min_element() >= 0.0 && m.base_color.max_element() <= 1.0);

@@ -40,14 +40,14 @@ pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) 
             let phase = i as f32 * 1.7;
             match *hanging {
                 Open => continue,
-                Whole(cloth) => sheet(&mut cloths[cloth], detail, phase, 7.0, 1.0, place, turn, |s, _| {
+                Whole(cloth) => sheet(&mut cloths[cloth], detail, phase, 5.0, 1.0, place, turn, |s, _| {
                     EDGES[0] + s * (EDGES[1] - EDGES[0])
                 }),
                 Tied(cloth) => {
                     for side in [0usize, 1] {
                         let edge = EDGES[side];
                         let inwards = if side == 0 { 1.0 } else { -1.0 };
-                        sheet(&mut cloths[cloth], detail, phase, 4.0, 0.5, place, turn, move |s, y| {
+                        sheet(&mut cloths[cloth], detail, phase, 3.0, 0.6, place, turn, move |s, y| {
                             edge + inwards * s * tied_width(y)
                         });
                     }
@@ -89,19 +89,21 @@ fn sheet(
     turn: impl Fn(Vec3) -> Vec3,
     x_at: impl Fn(f32, f32) -> f32,
 ) {
-    let across = (detail.pick([8, 12, 21, 36, 60]) as f32 * share).round() as u32;
-    let down = detail.pick([2, 3, 6, 10, 17]);
+    let across = (detail.pick([15, 20, 25, 40, 60]) as f32 * share).round() as u32;
+    let down = detail.pick([2, 3, 5, 9, 15]);
     let point = |s: f32, t: f32| {
         let y = ROD + t * (HEM - ROD);
-        let depth = 0.035 + 0.05 * t;
+        // Narrow folds are shallow ones: steeper cloth would need more triangles than it is worth.
+        let width = (x_at(1.0, y) - x_at(0.0, y)).abs() / folds;
+        let depth = (0.035 + 0.05 * t).min(0.2 * width);
         let wave = (TAU * folds * s + phase + 0.9 * (2.2 * t + phase).sin()).sin();
         let drift = 0.03 * t * (PI * s * 2.0 + phase).sin();
         Vec3::new(x_at(s, y), y, depth * wave + drift)
     };
     b.sheet([across, down], Vec3::ONE, |s, t| {
-        // Differences over much less than a fold.
-        let e = 1e-3;
-        let normal = (point(s, t - e) - point(s, t + e)).cross(point(s - e, t) - point(s + e, t));
+        // Between the neighbouring vertices: the normals then fit the faces, however coarse.
+        let (ds, dt) = (1.0 / across as f32, 1.0 / down as f32);
+        let normal = (point(s, t - dt) - point(s, t + dt)).cross(point(s - ds, t) - point(s + ds, t));
         (place(point(s, t)), turn(normal))
     });
 }
