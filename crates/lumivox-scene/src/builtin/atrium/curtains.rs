@@ -77,7 +77,7 @@ fn tied_width(y: f32) -> f32 {
 /// One cloth: `x_at(s, y)` spreads `s` in 0..1 over the bay. Folds deepen towards the hem and lean a little.
 #[expect(
     clippy::too_many_arguments,
-    reason = "a private helper with one caller; a struct would only rename them"
+    reason = "a private function with few callers; a struct would only rename them"
 )]
 fn sheet(
     b: &mut Builder,

@@ -55,7 +55,7 @@ pub(super) fn add(scene: &mut SceneBuilder, palette: &Palette, detail: &Detail) 
 /// Stones of `size` in running bond over a wall face, each with its own shade.
 #[expect(
     clippy::too_many_arguments,
-    reason = "a private helper with one caller; a struct would only rename them"
+    reason = "a private function with few callers; a struct would only rename them"
 )]
 fn courses(
     b: &mut Builder,
