@@ -193,7 +193,8 @@ impl FromStr for Size {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let (width, height) = text.split_once(['x', 'X']).context("a size is WIDTHxHEIGHT, for example 960x540")?;
+        let (width, height) =
+            text.split_once(['x', 'X']).context("a size is WIDTHxHEIGHT, for example 960x540")?;
         let side = |s: &str| s.trim().parse::<u32>().with_context(|| format!("{s:?} is no number of pixels"));
         let size = Self(side(width)?, side(height)?);
         if [size.0, size.1].iter().any(|side| !(1..=8192).contains(side)) {
@@ -250,7 +251,8 @@ impl FromStr for SunArg {
         if irradiance.min_element() < 0.0 {
             bail!("irradiance cannot be negative");
         }
-        let direction = triple(direction)?.try_normalize().context("the sun needs a direction that is not zero")?;
+        let direction =
+            triple(direction)?.try_normalize().context("the sun needs a direction that is not zero")?;
         Ok(Self { direction, irradiance })
     }
 }

@@ -72,7 +72,9 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         .frames
         .iter()
         .zip(&walks[1].frames)
-        .map(|(single, kept)| sheet::side_by_side(("single-frame voxels", single), ("progressive voxels", kept)))
+        .map(|(single, kept)| {
+            sheet::side_by_side(("single-frame voxels", single), ("progressive voxels", kept))
+        })
         .collect();
     output::write_gif(&args.out.join("walk.gif"), &frames, FRAME_MILLIS)?;
     let rows: Vec<_> = walks.iter().map(|w| (w.stats.voxelizer, w.last.clone())).collect();

@@ -47,7 +47,8 @@ fn seen_cells(camera: &Camera, grid: &Grid, cells: &[Vec4]) -> usize {
     let pixels = (0..RAYS[1]).flat_map(|y| (0..RAYS[0]).map(move |x| (x, y)));
     let seen: HashSet<usize> = pixels
         .filter_map(|(x, y)| {
-            let uv = (glam::Vec2::new(x as f32, y as f32) + 0.5) / glam::Vec2::new(RAYS[0] as f32, RAYS[1] as f32);
+            let uv =
+                (glam::Vec2::new(x as f32, y as f32) + 0.5) / glam::Vec2::new(RAYS[0] as f32, RAYS[1] as f32);
             let direction = (view.world_from_uv(uv, 0.5) - camera.eye).try_normalize()?;
             first_hit(camera.eye, direction, grid, cells)
         })
@@ -74,7 +75,11 @@ mod tests {
     #[test]
     fn rooms_are_seen_from_inside() {
         let room = lumivox_scene::load("builtin:furnace").unwrap();
-        assert_eq!(best_camera(&room).unwrap().name, "outside", "a closed box shows most cells from a corner");
+        assert_eq!(
+            best_camera(&room).unwrap().name,
+            "outside",
+            "a closed box shows most cells from a corner"
+        );
         let hall = lumivox_scene::load("builtin:atrium:1").unwrap();
         assert_eq!(best_camera(&hall).unwrap().name, "inside");
     }

@@ -15,8 +15,9 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("LUMIVOX_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,wgpu=error,wgpu_core=error,wgpu_hal=off"));
+    let filter = tracing_subscriber::EnvFilter::try_from_env("LUMIVOX_LOG").unwrap_or_else(|_| {
+        tracing_subscriber::EnvFilter::new("warn,wgpu=error,wgpu_core=error,wgpu_hal=off")
+    });
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).without_time().init();
     let arguments = args::Arguments::parse();
     let result = match &arguments.command {

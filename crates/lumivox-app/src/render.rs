@@ -125,7 +125,13 @@ fn still(renderer: &mut Renderer, args: &RenderArgs, camera: &Camera, work: &mut
     write_frame(renderer, args, &args.output)
 }
 
-fn series(renderer: &mut Renderer, args: &RenderArgs, cameras: &Cameras, count: u32, work: &mut Work) -> Result<()> {
+fn series(
+    renderer: &mut Renderer,
+    args: &RenderArgs,
+    cameras: &Cameras,
+    count: u32,
+    work: &mut Work,
+) -> Result<()> {
     let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
     let bar = progress(u64::from(count), "frames");
     for n in 0..count {

@@ -1,7 +1,7 @@
 //! Direct light: one full-screen pass per view of a light adds what reaches each pixel through its shadow map.
 //!
-//! The shadow test looks up 3 x 3 bilinear comparisons. The point is moved 1.5 shadow texels along its normal first, which hides the
-//! map's steps without a depth bias that grows with the scene.
+//! The shadow test looks up 3 x 3 bilinear comparisons half a texel apart, which reach 1.5 texels. The point is moved 1.6
+//! shadow texels along its normal first: just beyond that reach, a surface cannot shadow itself, and no depth bias is needed.
 
 use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Sampler, Shader, Uniform};
 use lumivox::{wgpu, wgsl};
@@ -25,13 +25,16 @@ pub struct DirectPass {
 impl DirectPass {
     /// Compiles it.
     pub fn new(gpu: &Gpu) -> Self {
-        let comparison = Sampler::new(gpu, &wgpu::SamplerDescriptor {
-            label: Some("render/shadow comparison"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            compare: Some(wgpu::CompareFunction::LessEqual),
-            ..Default::default()
-        });
+        let comparison = Sampler::new(
+            gpu,
+            &wgpu::SamplerDescriptor {
+                label: Some("render/shadow comparison"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                compare: Some(wgpu::CompareFunction::LessEqual),
+                ..Default::default()
+            },
+        );
         Self { pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, true), comparison }
     }
 

@@ -15,7 +15,7 @@ fn visible_share(p: vec3f, n: vec3f) -> f32 {
     let row_x = vec3f(m[0].x, m[1].x, m[2].x);
     let w = (m * vec4f(p, 1.0)).w;
     let texel_size = 2.0 * w / (length(row_x) * f32(shadow_view.size.x));
-    let clip = m * vec4f(p + 1.5 * texel_size * n, 1.0);
+    let clip = m * vec4f(p + 1.6 * texel_size * n, 1.0);
     if clip.w <= 0.0 {
         return 0.0;
     }
@@ -27,7 +27,7 @@ fn visible_share(p: vec3f, n: vec3f) -> f32 {
     let texel = 1.0 / vec2f(shadow_view.size);
     var lit = 0.0;
     for (var i = 0u; i < 9u; i++) {
-        let offset = vec2f(f32(i % 3u), f32(i / 3u)) - 1.0;
+        let offset = 0.5 * (vec2f(f32(i % 3u), f32(i / 3u)) - 1.0);
         lit += textureSampleCompareLevel(shadow_depth, shadow_comparison, uv + offset * texel, ndc.z);
     }
     return lit / 9.0;

@@ -82,7 +82,10 @@ impl GpuScene {
         let mut indices: Vec<u32> = Vec::new();
         let mut ranges = Vec::new();
         for mesh in &scene.meshes {
-            ranges.push(((indices.len() as u32, (indices.len() + 3 * mesh.indices.len()) as u32), vertices.len() as i32));
+            ranges.push((
+                (indices.len() as u32, (indices.len() + 3 * mesh.indices.len()) as u32),
+                vertices.len() as i32,
+            ));
             indices.extend(mesh.indices.iter().flatten());
             vertices.extend((0..mesh.positions.len()).map(|i| Vertex {
                 position: mesh.positions[i],
@@ -112,7 +115,12 @@ impl GpuScene {
         let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap)).collect();
         let materials = scene.materials.iter().map(|m| GpuMaterial::new(gpu, m, scene)).collect();
         let gpu_scene = Self {
-            vertices: filled(gpu, "scene/vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&vertices)),
+            vertices: filled(
+                gpu,
+                "scene/vertices",
+                wgpu::BufferUsages::VERTEX,
+                bytemuck::cast_slice(&vertices),
+            ),
             indices: filled(gpu, "scene/indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
             instances: Buffer::storage_with(gpu, "scene/instances", &matrices)?,
             draws,
@@ -179,15 +187,20 @@ fn sampler(gpu: &Gpu, wrap: [Wrap; 2]) -> Sampler {
         Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
         Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
     };
-    Sampler::new(gpu, &wgpu::SamplerDescriptor {
-        label: Some("scene/sampler"),
-        address_mode_u: mode(wrap[0]),
-        address_mode_v: mode(wrap[1]),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..Default::default()
-    })
+    Sampler::new(
+        gpu,
+        &wgpu::SamplerDescriptor {
+            label: Some("scene/sampler"),
+            address_mode_u: mode(wrap[0]),
+            address_mode_v: mode(wrap[1]),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            // Floors seen at a grazing angle keep their tiles.
+            anisotropy_clamp: 8,
+            ..Default::default()
+        },
+    )
 }
 
 fn filled(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> Buffer {
@@ -220,11 +233,7 @@ fn upload_texture(gpu: &Gpu, image: &Image) -> Result<Texture, GpuError> {
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo { mip_level, ..texture.raw.as_image_copy() },
             pixels,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * width),
-                rows_per_image: None,
-            },
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
             wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
         );
         level = halved(&level.1, level.0, image.srgb);

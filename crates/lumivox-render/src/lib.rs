@@ -33,13 +33,7 @@ pub use renderer::{FrameStats, GiMethod, Renderer, RendererError, Settings, Voxe
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<lumivox::gpu::Shader> {
-    vec![
-        surface::GBUFFER_SHADER,
-        surface::RSM_SHADER,
-        direct::SHADER,
-        composite::SHADER,
-        voxel_view::SHADER,
-    ]
+    vec![surface::GBUFFER_SHADER, surface::RSM_SHADER, direct::SHADER, composite::SHADER, voxel_view::SHADER]
 }
 
 /// Every struct of this crate that has a twin in WGSL: name, size and fields.

@@ -196,7 +196,8 @@ impl Renderer {
         let far = self.bounds.corners().iter().map(|c| c.distance(camera.eye)).fold(0.0, f32::max);
         let planes = (5e-4 * reach, 1.01 * far.max(2e-3 * reach));
         self.camera.view =
-            View::perspective(camera.eye, camera.target, camera.up, camera.fov_y, aspect, planes.0, planes.1);
+            View::perspective(camera.eye, camera.target, camera.up, camera.fov_y, aspect, planes.0, planes.1)
+                .with_reversed_depth();
     }
 
     /// Moves and changes the lights, as many and of the same kinds as before, from the next frame on.
@@ -277,7 +278,11 @@ impl Renderer {
     }
 
     /// Goes on propagating the light of the last frame, `iterations` steps more, and makes the picture anew.
-    pub fn settle(&mut self, iterations: u32, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
+    pub fn settle(
+        &mut self,
+        iterations: u32,
+        clock: Option<fn() -> f64>,
+    ) -> Result<FrameStats, RendererError> {
         let Self { gpu, volume, indirect, .. } = self;
         let mut timer = StageTimer::new(gpu, clock);
         timer.stage(gpu, "light/propagation", |e| indirect.record_propagation(gpu, e, volume, iterations))?;
@@ -336,7 +341,7 @@ fn propagation_steps(settings: &Settings) -> u32 {
 }
 
 fn camera_target(gpu: &Gpu, settings: &Settings) -> Result<SurfaceView, GpuError> {
-    let view = View::perspective(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0, 1.0, 0.1, 1.0);
+    let view = View::perspective(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0, 1.0, 0.1, 1.0).with_reversed_depth();
     SurfaceView::new(gpu, "camera", settings.size, UVec2::splat(settings.points), view)
 }
 
@@ -358,7 +363,12 @@ fn light_source(
     }))
 }
 
-fn injection_scale(scene: &Scene, bounds: &Bounds, camera: &SurfaceView, lights: &[LightSource]) -> InjectionScale {
+fn injection_scale(
+    scene: &Scene,
+    bounds: &Bounds,
+    camera: &SurfaceView,
+    lights: &[LightSource],
+) -> InjectionScale {
     let views = lights.iter().flat_map(|l| &l.views).chain([camera]);
     let reflected: f32 = scene.lights.iter().map(|l| lights::radiance_bound(l, bounds)).sum();
     let emitted = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);

@@ -8,7 +8,8 @@
 //! | radiance | `Rgba16Float` | by [`crate::direct`] | what the surface reflects of this light |
 //! | depth | `Depth32Float` | yes | yes; also the shadow map |
 //!
-//! Four colour targets of 8 bytes are just what core WebGPU allows. Masked surfaces have holes in all of them.
+//! The camera's depth is reversed (1 near, 0 far), which keeps a tenth of a millimetre over any distance; shadow maps have the
+//! standard one. Four colour targets of 8 bytes are just what core WebGPU allows. Masked surfaces have holes in all of them.
 
 use glam::UVec2;
 use lumivox::core::View;
@@ -48,7 +49,8 @@ pub struct SurfaceView {
 impl SurfaceView {
     /// Targets of `size` texels, injected at `points` points.
     pub fn new(gpu: &Gpu, label: &str, size: UVec2, points: UVec2, view: View) -> Result<Self, GpuError> {
-        let target = |name: &str, format| Texture::target(gpu, &format!("{label}/{name}"), size.to_array(), format);
+        let target =
+            |name: &str, format| Texture::target(gpu, &format!("{label}/{name}"), size.to_array(), format);
         let textures = ViewTextures {
             depth: target("depth", DEPTH_FORMAT)?,
             normal: target("normal", HDR_FORMAT)?,
@@ -81,7 +83,7 @@ pub struct SurfacePass {
     pipeline: wgpu::RenderPipeline,
     program: Program,
     materials: Vec<wgpu::BindGroup>,
-    writes_radiance: bool,
+    is_rsm: bool,
 }
 
 impl SurfacePass {
@@ -98,7 +100,7 @@ impl SurfacePass {
     fn new(
         gpu: &Gpu,
         shader: &Shader,
-        writes_radiance: bool,
+        is_rsm: bool,
         scene: &GpuScene,
         shared: &MaterialTextures,
     ) -> Result<Self, GpuError> {
@@ -107,7 +109,7 @@ impl SurfacePass {
             source: wgpu::ShaderSource::Wgsl(shader.source().into()),
         });
         let mut targets = vec![Some(HDR_FORMAT.into()), Some(ALBEDO_FORMAT.into()), Some(HDR_FORMAT.into())];
-        if writes_radiance {
+        if is_rsm {
             targets.push(Some(HDR_FORMAT.into()));
         }
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -128,7 +130,11 @@ impl SurfacePass {
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
                 depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
+                depth_compare: Some(if is_rsm {
+                    wgpu::CompareFunction::Less
+                } else {
+                    wgpu::CompareFunction::Greater
+                }),
                 stencil: Default::default(),
                 bias: Default::default(),
             }),
@@ -144,7 +150,7 @@ impl SurfacePass {
         });
         let program = Program::new(shader, |group| pipeline.get_bind_group_layout(group));
         let materials = scene.bind_materials(gpu, shared, &program)?;
-        Ok(Self { name: shader.name, pipeline, program, materials, writes_radiance })
+        Ok(Self { name: shader.name, pipeline, program, materials, is_rsm })
     }
 
     /// Draws the scene into a view. A reflective shadow map is given its light.
@@ -165,7 +171,7 @@ impl SurfacePass {
         let view_group = self.program.bind(gpu, 0, &bindings)?;
         let textures = &target.input.textures;
         let mut colors = vec![color(&textures.normal), color(&textures.albedo), color(&textures.emission)];
-        if self.writes_radiance {
+        if self.is_rsm {
             colors.push(color(&textures.radiance));
         }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -174,7 +180,7 @@ impl SurfacePass {
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &textures.depth.view,
                 depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
+                    load: wgpu::LoadOp::Clear(if self.is_rsm { 1.0 } else { 0.0 }),
                     store: wgpu::StoreOp::Store,
                 }),
                 stencil_ops: None,

@@ -2,8 +2,8 @@
 //!
 //! Each triangle is sampled on a barycentric lattice finer than half a cell, so that the cells it passes through get at least
 //! one sample, and cells take the area-weighted means of what falls in. Coverage is *sampled*: all marked cells overlap
-//! the surface, and a corner that a triangle only just cuts may stay empty. Samples on a cell boundary mark the cells on
-//! both sides, as views from both sides would.
+//! the surface, and a corner that a triangle only just cuts may stay empty. A surface on a cell boundary marks the cell
+//! behind its normal, as a view of that side would.
 
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use lumivox::core::Grid;
@@ -39,9 +39,8 @@ pub fn voxelize(scene: &Scene, grid: &Grid) -> TriangleVolume {
         let surface = Surface { scene, mesh, material: &scene.materials[mesh.material] };
         let turn = Mat3::from_mat4(instance.world_from_local);
         for triangle in &mesh.indices {
-            let corners = triangle.map(|i| {
-                instance.world_from_local.transform_point3(mesh.positions[i as usize].into())
-            });
+            let corners = triangle
+                .map(|i| instance.world_from_local.transform_point3(mesh.positions[i as usize].into()));
             let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             // The file's normals say which side is meant; the face says how the surface lies.
             let shading = turn * Vec3::from(mesh.normals[triangle[0] as usize]);
@@ -81,17 +80,11 @@ fn add_triangle(
             let (u, v) = (column as f32 / steps as f32, row as f32 / steps as f32);
             let barycentric = Vec3::new(1.0 - u - v, u, v);
             let point = (0..3).map(|i| barycentric[i] * corners[i]).sum::<Vec3>();
-            let sides = [point - shift, point + shift].map(|p| grid.cell_from_world(p).map(|c| grid.index(c)));
+            let Some(cell) = grid.cell_from_world(point - shift).map(|c| grid.index(c)) else { continue };
             let Some((albedo, emission)) = surface.sample(indices, barycentric) else { continue };
-            for (n, cell) in sides.iter().enumerate() {
-                let Some(cell) = *cell else { continue };
-                if n == 1 && sides[0] == sides[1] {
-                    continue;
-                }
-                volume.normal[cell] += (weight * normal).extend(0.0);
-                volume.albedo[cell] += weight * albedo.extend(1.0);
-                volume.emission[cell] += (weight * emission).extend(0.0);
-            }
+            volume.normal[cell] += (weight * normal).extend(0.0);
+            volume.albedo[cell] += weight * albedo.extend(1.0);
+            volume.emission[cell] += (weight * emission).extend(0.0);
         }
     }
 }
@@ -106,7 +99,8 @@ impl Surface<'_> {
     /// Albedo and emission at a point of a triangle; none in the holes of a mask.
     fn sample(&self, indices: [u32; 3], barycentric: Vec3) -> Option<(Vec3, Vec3)> {
         let uv: Vec2 = (0..3).map(|i| barycentric[i] * Vec2::from(self.mesh.uvs[indices[i] as usize])).sum();
-        let color: Vec4 = (0..3).map(|i| barycentric[i] * Vec4::from(self.mesh.colors[indices[i] as usize])).sum();
+        let color: Vec4 =
+            (0..3).map(|i| barycentric[i] * Vec4::from(self.mesh.colors[indices[i] as usize])).sum();
         let texture = |t: Option<usize>| t.map_or(Vec4::ONE, |t| texel(&self.scene.textures[t], uv));
         let base = self.material.base_color * texture(self.material.base_color_texture) * color;
         let cutoff = match self.material.alpha {

@@ -22,8 +22,8 @@ struct Ray {
 // The pixel's ray in units of cells.
 fn pixel_ray(position: vec2f) -> Ray {
     let ndc = ndc_from_uv(position / vec2f(view.size));
-    let a = view.world_from_clip * vec4f(ndc, 0.0, 1.0);
-    let b = view.world_from_clip * vec4f(ndc, 1.0, 1.0);
+    let a = view.world_from_clip * vec4f(ndc, 1.0 - view.far_depth, 1.0);
+    let b = view.world_from_clip * vec4f(ndc, view.far_depth, 1.0);
     let origin = grid_from_world(grid, a.xyz / a.w);
     return Ray(origin, normalize(grid_from_world(grid, b.xyz / b.w) - origin));
 }

@@ -54,9 +54,5 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
     fn entry<T: gpu::GpuStruct>() -> (&'static str, usize, &'static [gpu::Field]) {
         (T::NAME, size_of::<T>(), T::FIELDS)
     }
-    vec![
-        entry::<wgsl::GridUniform>(),
-        entry::<wgsl::ViewUniform>(),
-        entry::<light::PropagationUniform>(),
-    ]
+    vec![entry::<wgsl::GridUniform>(), entry::<wgsl::ViewUniform>(), entry::<light::PropagationUniform>()]
 }

@@ -86,7 +86,8 @@ fn rust_structs_have_the_layout_of_their_twins() {
     let twins = wgsl_structs();
     for (name, size, fields) in lumivox::gpu_structs() {
         let (wgsl_fields, span) = twins.get(name).unwrap_or_else(|| panic!("no shader declares {name}"));
-        let rust_fields: Vec<_> = fields.iter().map(|(field, offset, _)| ((*field).to_owned(), *offset)).collect();
+        let rust_fields: Vec<_> =
+            fields.iter().map(|(field, offset, _)| ((*field).to_owned(), *offset)).collect();
         assert_eq!(&rust_fields, wgsl_fields, "{name}");
         assert_eq!(size, *span, "size of {name}");
     }

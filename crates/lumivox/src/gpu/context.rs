@@ -52,10 +52,10 @@ impl Gpu {
         let wanted = choice.name.as_ref().map(|n| format!(" with {n:?} in its name")).unwrap_or_default();
         let adapter = adapters.into_iter().next().ok_or(GpuError::NoAdapter(wanted))?;
         let descriptor = device_descriptor(&adapter, tier);
-        let (device, queue) = adapter.request_device(&descriptor).await.map_err(|e| GpuError::NoDevice {
-            adapter: adapter.get_info().name,
-            reason: e.to_string(),
-        })?;
+        let (device, queue) = adapter
+            .request_device(&descriptor)
+            .await
+            .map_err(|e| GpuError::NoDevice { adapter: adapter.get_info().name, reason: e.to_string() })?;
         let gpu = Self::from_device(device, queue, tier);
         gpu.watch();
         Ok(gpu)
@@ -163,5 +163,10 @@ fn device_descriptor(adapter: &wgpu::Adapter, tier: Tier) -> wgpu::DeviceDescrip
         Tier::Core => (wgpu::Features::empty(), wgpu::Limits::default()),
         Tier::Native => (adapter.features() & wgpu::Features::TIMESTAMP_QUERY, adapter.limits()),
     };
-    wgpu::DeviceDescriptor { label: Some("lumivox"), required_features, required_limits, ..Default::default() }
+    wgpu::DeviceDescriptor {
+        label: Some("lumivox"),
+        required_features,
+        required_limits,
+        ..Default::default()
+    }
 }

@@ -4,7 +4,9 @@
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum GpuError {
     /// No adapter at all, or none that matches the request.
-    #[error("no graphics adapter found{0}: a Vulkan, Metal or Direct3D 12 driver is needed (on Linux without a GPU, Mesa's software driver will do)")]
+    #[error(
+        "no graphics adapter found{0}: a Vulkan, Metal or Direct3D 12 driver is needed (on Linux without a GPU, Mesa's software driver will do)"
+    )]
     NoAdapter(String),
     /// The adapter would not give a device.
     #[error("the adapter {adapter} refused a device: {reason}")]

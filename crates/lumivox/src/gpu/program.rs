@@ -103,7 +103,11 @@ impl<'a> Bindings<'a> {
     }
 
     fn find(&self, name: &str) -> Option<(&Resource<'a>, bool)> {
-        self.entries.iter().flatten().find(|(n, ..)| *n == name).map(|(_, resource, writes)| (resource, *writes))
+        self.entries
+            .iter()
+            .flatten()
+            .find(|(n, ..)| *n == name)
+            .map(|(_, resource, writes)| (resource, *writes))
     }
 }
 
@@ -135,7 +139,12 @@ impl Program {
     }
 
     /// The bind group of these resources: made the first time, looked up from then on.
-    pub fn bind(&self, gpu: &Gpu, group: usize, bindings: &Bindings<'_>) -> Result<wgpu::BindGroup, GpuError> {
+    pub fn bind(
+        &self,
+        gpu: &Gpu,
+        group: usize,
+        bindings: &Bindings<'_>,
+    ) -> Result<wgpu::BindGroup, GpuError> {
         let Some(group) = self.groups.get(group) else {
             return Err(self.error(format!("has no bind group {group}")));
         };

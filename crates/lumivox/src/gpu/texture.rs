@@ -31,7 +31,8 @@ impl Texture {
         let [width, height] = options.size;
         let limit = gpu.device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
-            let reason = format!("{label}: a texture of {width} x {height} texels; 1 to {limit} a side are possible");
+            let reason =
+                format!("{label}: a texture of {width} x {height} texels; 1 to {limit} a side are possible");
             return Err(GpuError::Validation(reason));
         }
         let raw = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -48,7 +49,12 @@ impl Texture {
     }
 
     /// A render target that can also be read in shaders.
-    pub fn target(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Result<Self, GpuError> {
+    pub fn target(
+        gpu: &Gpu,
+        label: &str,
+        size: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> Result<Self, GpuError> {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         Self::new(gpu, label, TextureOptions { size, format, usage, mips: 1 })
     }

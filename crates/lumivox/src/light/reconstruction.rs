@@ -2,7 +2,7 @@
 //! only the occupied ones count.
 //!
 //! The eight cells nearest to the point have trilinear weights; those that are empty, or so buried that no light reaches them,
-//! are left out and the rest is scaled up. The dot product of the incident light with the clamped cosine about the
+//! are left out, those whose open faces look elsewhere than the pixel hardly count, and the rest is scaled up. The dot product of the incident light with the clamped cosine about the
 //! pixel's normal gives the irradiance.
 
 use crate::gpu::{Bindings, Buffer, FullscreenPass, Gpu, GpuError, Shader, Texture};

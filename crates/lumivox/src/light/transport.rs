@@ -4,10 +4,8 @@ use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::{ALBEDO, NORMAL, VolumeBuffer};
 use crate::wgsl::{GRID, PACK, SH, TRANSPORT, linear_groups};
 
-pub(super) const SHADER: Shader = Shader {
-    name: "light/transport",
-    parts: &[GRID, PACK, SH, TRANSPORT, include_str!("transport.wgsl")],
-};
+pub(super) const SHADER: Shader =
+    Shader { name: "light/transport", parts: &[GRID, PACK, SH, TRANSPORT, include_str!("transport.wgsl")] };
 
 #[derive(Debug)]
 pub(super) struct Transport(ComputePass);

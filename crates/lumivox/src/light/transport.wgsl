@@ -9,20 +9,17 @@ fn occupied(cell: vec3i) -> bool {
     return cell_in_grid(grid, cell) && unpack_half4(normal[cell_index(grid, vec3u(cell))]).w > 0.0;
 }
 
-// Every open face adds (1 + n.f) / 2 of its irradiance to a surface, which is exact for one face. A slanted surface is seen
-// through two or three, and would get 1.2 times its share: the sum over the faces before it is scaled to that of their
-// projections, n.f.
+// Every open face before the surface adds (1 + n.f) / 2 of its irradiance, which is exact for one face. A slanted surface is
+// seen through two or three: it gets their mean.
 fn gather_correction(n: vec3f, open: u32) -> f32 {
     var received = 0.0;
-    var projected = 0.0;
     for (var face = 0u; face < 6u; face++) {
         let cosine = dot(n, FACE_NORMALS[face]);
         if (open & (1u << face)) != 0u && cosine > 0.05 {
             received += 0.5 * (1.0 + cosine);
-            projected += cosine;
         }
     }
-    return select(1.0, projected / received, received > 0.0);
+    return select(1.0, 1.0 / max(received, 0.5), received > 0.0);
 }
 
 @compute @workgroup_size(64)

@@ -98,7 +98,11 @@ impl Progressive {
             resolve: Resolve::new(gpu),
             add_light: LightResolve::new(gpu, Replace::No),
             replace_light: LightResolve::new(gpu, Replace::Yes),
-            attribute_sums: Buffer::storage(gpu, "injection/attribute sums", cells * ATTRIBUTE_SUM_WORDS * 4)?,
+            attribute_sums: Buffer::storage(
+                gpu,
+                "injection/attribute sums",
+                cells * ATTRIBUTE_SUM_WORDS * 4,
+            )?,
             light_sums: Buffer::storage(gpu, "injection/light sums", cells * LIGHT_SUM_WORDS * 4)?,
         })
     }

@@ -43,5 +43,8 @@ impl Resolve {
 
 /// The volume was not made with [`super::CHANNELS`].
 pub(super) fn wrong_channels(pass: &'static str) -> GpuError {
-    GpuError::Binding { pass, reason: format!("needs a volume of the channels {}", super::CHANNELS.join(", ")) }
+    GpuError::Binding {
+        pass,
+        reason: format!("needs a volume of the channels {}", super::CHANNELS.join(", ")),
+    }
 }

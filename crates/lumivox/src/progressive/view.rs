@@ -50,7 +50,8 @@ impl ViewInput {
     /// same scale.
     pub fn update(&self, gpu: &Gpu, view: &View, scale: InjectionScale) {
         let size = UVec2::from(self.textures.depth.size());
-        self.uniform.write(gpu, &ViewUniform::new(view, size, self.points, scale.total_points, scale.radiance_max));
+        self.uniform
+            .write(gpu, &ViewUniform::new(view, size, self.points, scale.total_points, scale.radiance_max));
     }
 }
 

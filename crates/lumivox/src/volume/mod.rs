@@ -141,6 +141,7 @@ pub(crate) fn check_grid(gpu: &Gpu, what: &str, grid: &Grid, cell_bytes: u64) ->
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let side = ((limit / cell_bytes) as f64).cbrt() as u32;
     let [nx, ny, nz] = grid.dims.to_array();
-    let hint = format!("; a grid of {nx} x {ny} x {nz} cells was asked for, {side} x {side} x {side} would fit");
+    let hint =
+        format!("; a grid of {nx} x {ny} x {nz} cells was asked for, {side} x {side} x {side} would fit");
     gpu.check_binding_size(what, grid.cell_count() * cell_bytes, &hint)
 }
