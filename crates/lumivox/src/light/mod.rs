@@ -15,11 +15,16 @@
 //! its albedo's part of what it receives, and what leaves the grid is gone; so a step never creates energy, and every
 //! stage is linear in light.
 //!
-//! **Where the text leaves room.** Normalisation: cones are scaled to share a cell's flux exactly. Empty cells pass light
-//! on with the persistence of [`LightSettings::persistence`]; a cosine lobe, as light propagation volumes use, loses
-//! 43 % of its direction in every step, so that most light diffuses back to where it came from. Occupied cells send light out of open
-//! faces only, shared by the stored normal, instead of into the neighbouring cells of the same wall. Reflection is Lambertian
-//! about the stored normal, on the side that the light came from.
+//! **Where the text leaves room.**
+//!
+//! - *Normalisation.* The 90-degree cones are scaled by 1.138, so that six of them share a cell's flux exactly.
+//! - *Direction.* What a cell receives through a face leaves as a lobe about the same direction. A cosine lobe, as light
+//!   propagation volumes use, keeps 57 % of its direction in a step, so most light diffuses back to where it came from: in
+//!   the sunlit Sponza atrium indirect light was 1.36 times too strong with a low-frequency error of 94 %.
+//!   [`LightSettings::persistence`] says how much is kept.
+//! - *Surfaces.* Light leaves occupied cells through their open faces only, shared by the stored normal, instead of into the
+//!   neighbouring cells of the same wall. Into the empty cell it enters with the lobe that sends nothing straight back.
+//! - *Reflection* is Lambertian about the stored normal, on the side that the light came from, times the stored albedo.
 //!
 //! **Limits.** Four coefficients blur directions: there are no sharp indirect shadows. Walls must be one cell thick or more to hold
 //! light back, and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core

@@ -43,9 +43,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         let there = unpack_transport(transport[neighbor]);
         let flux = sent_flux(neighbor, there, face ^ 1u);
         if !is_occupied(here) {
-            // A surface sends a cosine lobe, which is also what travels on without an echo: the four-coefficient
-            // wave that only runs outward has the band-1 to band-0 ratio 1 / sqrt(3) in flux, that of the cosine. A
-            // narrower lobe would take light back out of the surface it came from.
             let ratio = select(settings.lobe_ratio, SURFACE_RATIO, is_occupied(there));
             next = sh_add(next, sh_scaled(flux, flux_lobe(-to_neighbor, ratio)));
             continue;

@@ -25,7 +25,7 @@ fn sky_light(cell: vec3i) -> ShRgb {
     var sh = sh_zero();
     for (var face = 0u; face < 6u; face++) {
         if !cell_in_grid(grid, cell + vec3i(FACE_NORMALS[face])) {
-            sh = sh_add(sh, sh_scaled(PI * settings.sky, flux_lobe(-FACE_NORMALS[face], COSINE_RATIO)));
+            sh = sh_add(sh, sh_scaled(PI * settings.sky, flux_lobe(-FACE_NORMALS[face], SURFACE_RATIO)));
         }
     }
     return sh;

@@ -27,8 +27,9 @@ const FACE_FLUX1: f32 = 0.8735300;
 // Band-1 to band-0 ratio of the clamped cosine: sqrt(pi / 3) / (sqrt(pi) / 2).
 const COSINE_RATIO: f32 = 1.1547005;
 
-// The ratio of the lobes that surfaces send into empty cells.
-const SURFACE_RATIO: f32 = 0.676;
+// The ratio of the lobes that surfaces send into empty cells: just so narrow that the face back to the surface gets nothing.
+// A narrower one would take light out of the surface that sent it, as a negative echo.
+const SURFACE_RATIO: f32 = FACE_FLUX0 / FACE_FLUX1;
 
 // What propagation has to know of a cell.
 struct Transport {
