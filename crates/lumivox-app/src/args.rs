@@ -86,9 +86,9 @@ pub(crate) struct RenderArgs {
     /// Time of the (first) picture in seconds, for scenes that move.
     #[arg(long, default_value_t = 0.0)]
     pub(crate) time: f32,
-    /// Exposure in stops, for PNG.
-    #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
-    pub(crate) exposure: f32,
+    /// Exposure in stops, for PNG; auto makes the (first) picture's lit parts middle grey on average.
+    #[arg(long, allow_hyphen_values = true, default_value = "auto", value_name = "EV|auto")]
+    pub(crate) exposure: ExposureArg,
     /// Cells along the longest side of the scene.
     #[arg(long, default_value_t = 64)]
     pub(crate) grid: u32,
@@ -230,6 +230,24 @@ impl FromStr for CameraArg {
             bail!("the field of view must be 1 to 170 degrees");
         }
         Ok(camera)
+    }
+}
+
+/// Stops, or what suits the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ExposureArg {
+    Auto,
+    Stops(f32),
+}
+
+impl FromStr for ExposureArg {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            stops => Ok(Self::Stops(number(stops)?)),
+        }
     }
 }
 

@@ -2,10 +2,10 @@
 //! progressive voxelization keeps. Writes both series, one animation, one contact sheet and the timings.
 
 use anyhow::Result;
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use image::RgbImage;
 use lumivox_render::{Layer, Renderer, Settings, VoxelSource};
-use lumivox_scene::builtin;
+use lumivox_scene::{Camera, builtin};
 use serde::Serialize;
 
 use crate::args::DemoArgs;
@@ -16,6 +16,10 @@ use crate::{clock, info, render, sheet};
 /// A little brighter than neutral: the arcades are what there is to see.
 const EXPOSURE_EV: f32 = 0.5;
 const FRAME_MILLIS: u32 = 120;
+/// Where on the walk the contact sheet is taken: just out of the arcade, in the court.
+const MOMENT: f32 = 0.6;
+/// Just under the ceiling of the ground floor.
+const CUT_HEIGHT: f32 = 4.0;
 
 #[derive(Debug, Serialize)]
 struct DemoStats {
@@ -39,8 +43,8 @@ struct WalkStats {
 struct Walk {
     stats: WalkStats,
     frames: Vec<RgbImage>,
-    /// Voxels, indirect light, final picture of the last frame.
-    last: Vec<RgbImage>,
+    /// Voxels from above, indirect light and final picture at one moment.
+    moment: Vec<RgbImage>,
 }
 
 /// Runs the command.
@@ -77,8 +81,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         })
         .collect();
     output::write_gif(&args.out.join("walk.gif"), &frames, FRAME_MILLIS)?;
-    let rows: Vec<_> = walks.iter().map(|w| (w.stats.voxelizer, w.last.clone())).collect();
-    let sheet = sheet::contact_sheet(&rows, &["voxels", "indirect light", "final"]);
+    let rows: Vec<_> = walks.iter().map(|w| (w.stats.voxelizer, w.moment.clone())).collect();
+    let sheet = sheet::contact_sheet(&rows, &["ground floor voxels from above", "indirect light", "final"]);
     output::write_png(&args.out.join("sheet.png"), &sheet)?;
     let stats = DemoStats {
         adapter: AdapterStats::new(&gpu),
@@ -110,6 +114,7 @@ fn walk(
     let mut frames = Vec::new();
     let mut occupied_cells = Vec::new();
     let mut stages_last_frame = Vec::new();
+    let mut moment = Vec::new();
     for n in 0..args.frames {
         let last = n + 1 == args.frames;
         renderer.set_camera(&builtin::atrium_camera_path(n as f32 / (args.frames - 1) as f32));
@@ -122,15 +127,32 @@ fn walk(
         output::write_png(&args.out.join(name).join(format!("frame_{n:04}.png")), &picture)?;
         frames.push(picture);
         occupied_cells.push(occupied(renderer, gpu)?);
+        if n == (MOMENT * args.frames as f32) as u32 {
+            moment = sheet_row(renderer, args)?;
+        }
         bar.inc(1);
     }
-    let mut last = Vec::new();
-    for layer in [Layer::Voxels, Layer::Indirect, Layer::Final] {
+    Ok(Walk { stats: WalkStats { voxelizer: name, occupied_cells, stages_last_frame }, frames, moment })
+}
+
+/// What the contact sheet shows of the frame just rendered.
+fn sheet_row(renderer: &mut Renderer, args: &DemoArgs) -> Result<Vec<RgbImage>> {
+    let mut row = Vec::new();
+    for layer in [Layer::Indirect, Layer::Final] {
         renderer.set_layer(layer);
         renderer.settle(0, None)?;
-        last.push(picture(renderer, args)?.srgb(layer, EXPOSURE_EV));
+        row.push(picture(renderer, args)?.srgb(layer, EXPOSURE_EV));
     }
-    Ok(Walk { stats: WalkStats { voxelizer: name, occupied_cells, stages_last_frame }, frames, last })
+    let above = Camera {
+        name: "above".to_owned(),
+        eye: Vec3::new(8.0, 22.0, 15.0),
+        target: Vec3::new(0.0, 0.0, 0.8),
+        up: Vec3::Y,
+        fov_y: 0.75,
+    };
+    renderer.show_voxels(&above, CUT_HEIGHT)?;
+    row.insert(0, picture(renderer, args)?.srgb(Layer::Voxels, EXPOSURE_EV));
+    Ok(row)
 }
 
 fn picture(renderer: &Renderer, args: &DemoArgs) -> Result<Picture> {

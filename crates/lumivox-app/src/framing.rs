@@ -1,8 +1,8 @@
 //! A camera for scenes that bring none: from inside or outside, whichever sees more.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use lumivox::core::{Bounds, Grid, View};
 use lumivox_scene::{Camera, Scene};
 
@@ -11,49 +11,60 @@ const GRID: u32 = 48;
 /// Rays per candidate.
 const RAYS: [u32; 2] = [64, 36];
 
-/// The candidate from which the most cells are seen.
+/// The candidate that sees the most surface, its right side first.
 pub(crate) fn best_camera(scene: &Scene) -> Option<Camera> {
     let bounds = scene.bounds();
     let grid = Grid::fit_with_margin(&bounds, GRID).ok()?;
     let cells = lumivox_render::triangles::voxelize(scene, &grid).normal;
-    candidates(&bounds).into_iter().max_by_key(|camera| seen_cells(camera, &grid, &cells))
+    let scored = candidates(&bounds).into_iter().map(|c| (score(&c, &grid, &cells), c));
+    scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, camera)| camera)
 }
 
-/// Three-quarter views from outside first, then views along the floor plan at eye height.
+/// Three-quarter views from outside, and views along the floor plan from inside at several places and heights.
 fn candidates(bounds: &Bounds) -> Vec<Camera> {
     let (center, size) = (bounds.center(), bounds.size());
     let reach = size.length();
     let outside = [(0.6, 0.35, 1.0), (-0.6, 0.35, 1.0), (0.6, 0.35, -1.0)].map(|(x, y, z)| {
         camera("outside", center + 1.15 * reach * Vec3::new(x, y, z).normalize_or_zero(), center, 45.0)
     });
-    let along = if size.x > size.z { Vec3::X } else { Vec3::Z };
-    let eye_height = bounds.min.y + 0.25 * size.y;
-    let inside = [-0.35, -0.2, 0.0, 0.2, 0.35].into_iter().flat_map(|t| {
-        let eye = center + t * size * along;
-        let eye = Vec3::new(eye.x, eye_height, eye.z);
-        let toward = if t > 0.0 { -along } else { along };
-        [toward, -toward].map(|d| camera("inside", eye, eye + d + Vec3::new(0.0, 0.08, 0.0), 60.0))
-    });
-    outside.into_iter().chain(inside).collect()
+    let (along, across) = if size.x > size.z { (Vec3::X, Vec3::Z) } else { (Vec3::Z, Vec3::X) };
+    let mut cameras = outside.to_vec();
+    for height in [0.15, 0.3, 0.5, 0.7] {
+        for side in [-0.25, 0.0, 0.25] {
+            for place in [-0.4, -0.25, 0.0, 0.25, 0.4] {
+                let flat = center + size * (place * along + side * across);
+                let eye = Vec3::new(flat.x, bounds.min.y + height * size.y, flat.z);
+                for toward in [along, -along] {
+                    cameras.push(camera("inside", eye, eye + toward + Vec3::new(0.0, 0.06, 0.0), 65.0));
+                }
+            }
+        }
+    }
+    cameras
 }
 
 fn camera(name: &str, eye: Vec3, target: Vec3, fov_y_deg: f32) -> Camera {
     Camera { name: name.to_owned(), eye, target, up: Vec3::Y, fov_y: fov_y_deg.to_radians() }
 }
 
-fn seen_cells(camera: &Camera, grid: &Grid, cells: &[Vec4]) -> usize {
+/// Number of cells seen. Those seen from behind count a quarter, so that rooms are entered and objects are not; those
+/// right before the eye hardly count.
+fn score(camera: &Camera, grid: &Grid, cells: &[Vec4]) -> f32 {
     let aspect = RAYS[0] as f32 / RAYS[1] as f32;
     let view = View::perspective(camera.eye, camera.target, camera.up, camera.fov_y, aspect, 0.01, 1.0);
-    let pixels = (0..RAYS[1]).flat_map(|y| (0..RAYS[0]).map(move |x| (x, y)));
-    let seen: HashSet<usize> = pixels
-        .filter_map(|(x, y)| {
-            let uv =
-                (glam::Vec2::new(x as f32, y as f32) + 0.5) / glam::Vec2::new(RAYS[0] as f32, RAYS[1] as f32);
-            let direction = (view.world_from_uv(uv, 0.5) - camera.eye).try_normalize()?;
-            first_hit(camera.eye, direction, grid, cells)
-        })
-        .collect();
-    seen.len()
+    let reach = grid.bounds().size().length();
+    let mut seen = HashMap::new();
+    for (x, y) in (0..RAYS[1]).flat_map(|y| (0..RAYS[0]).map(move |x| (x, y))) {
+        let uv = (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(RAYS[0] as f32, RAYS[1] as f32);
+        let Some(direction) = (view.world_from_uv(uv, 0.5) - camera.eye).try_normalize() else { continue };
+        if let Some(index) = first_hit(camera.eye, direction, grid, cells) {
+            let away = cells[index].truncate().dot(direction) > 0.0;
+            let distance = grid.center(grid.cell(index)).distance(camera.eye);
+            let weight = if away { 0.25 } else { 1.0 } * (distance / (0.1 * reach)).min(1.0);
+            seen.insert(index, weight);
+        }
+    }
+    seen.values().sum()
 }
 
 /// Marches in steps of a third of a cell; the first ones are skipped, so that an eye within a surface still sees.
@@ -73,14 +84,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rooms_are_seen_from_inside() {
-        let room = lumivox_scene::load("builtin:furnace").unwrap();
-        assert_eq!(
-            best_camera(&room).unwrap().name,
-            "outside",
-            "a closed box shows most cells from a corner"
-        );
-        let hall = lumivox_scene::load("builtin:atrium:1").unwrap();
-        assert_eq!(best_camera(&hall).unwrap().name, "inside");
+    fn rooms_are_entered_and_objects_are_not() {
+        for (name, expected) in [("builtin:furnace", "inside"), ("builtin:atrium:1", "inside")] {
+            assert_eq!(best_camera(&lumivox_scene::load(name).unwrap()).unwrap().name, expected, "{name}");
+        }
+        let mut cube = lumivox_scene::load("builtin:furnace").unwrap();
+        for mesh in &mut cube.meshes {
+            mesh.normals.iter_mut().for_each(|n| *n = n.map(|c| -c));
+        }
+        assert_eq!(best_camera(&cube).unwrap().name, "outside");
     }
 }

@@ -1,13 +1,15 @@
 //! `lumivox render`: one settled picture, or a series.
 
+use std::path::Path;
+
 use anyhow::{Context, Result, bail};
 use glam::{UVec2, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use lumivox::light::LightSettings;
-use lumivox_render::{GiMethod, Renderer, Settings, VoxelSource};
+use lumivox_render::{GiMethod, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Light, Scene};
 
-use crate::args::{LayerArg, RenderArgs};
+use crate::args::{ExposureArg, LayerArg, RenderArgs};
 use crate::output::{self, Picture};
 use crate::stats::{self, AdapterStats, RenderStats, StageStats};
 use crate::{clock, framing, info};
@@ -26,8 +28,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if args.frames.is_some() {
         output::numbered(&args.output, 0)?;
     }
-    if !(args.time.is_finite() && args.exposure.is_finite() && (0.0..=1.0).contains(&args.persistence)) {
-        bail!("time and exposure must be finite, persistence 0 to 1");
+    if !(args.time.is_finite() && (0.0..=1.0).contains(&args.persistence)) {
+        bail!("--time must be finite and --persistence 0 to 1");
     }
     let start = clock::millis();
     let mut scene = lumivox_scene::load(&args.scene)?;
@@ -59,6 +61,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             frames: work.frames,
             iterations: work.iterations,
             settled: work.settled,
+            exposure_ev: work.exposure_ev,
             load_ms,
             total_ms: clock::millis() - start,
             stages: work.stages,
@@ -75,6 +78,7 @@ struct Work {
     frames: u32,
     iterations: u32,
     settled: bool,
+    exposure_ev: Option<f32>,
     stages: Vec<StageStats>,
 }
 
@@ -99,7 +103,7 @@ fn settings(args: &RenderArgs) -> Settings {
     }
 }
 
-/// Frames until the light has settled. Views repeat, since a progressive volume grows while they do.
+/// One frame, then propagation until its light has settled.
 fn still(renderer: &mut Renderer, args: &RenderArgs, camera: &Camera, work: &mut Work) -> Result<()> {
     let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
     renderer.set_camera(camera);
@@ -122,7 +126,7 @@ fn still(renderer: &mut Renderer, args: &RenderArgs, camera: &Camera, work: &mut
         bar.finish_and_clear();
         work.settled = left <= SETTLED * sent;
     }
-    write_frame(renderer, args, &args.output)
+    write_frame(renderer, args, &args.output, work)
 }
 
 fn series(
@@ -140,17 +144,22 @@ fn series(
         stats::add_stages(&mut work.stages, &frame.stages);
         work.frames += 1;
         work.iterations += args.iterations;
-        write_frame(renderer, args, &output::numbered(&args.output, n)?)?;
+        write_frame(renderer, args, &output::numbered(&args.output, n)?, work)?;
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(())
 }
 
-fn write_frame(renderer: &Renderer, args: &RenderArgs, path: &std::path::Path) -> Result<()> {
+/// Writes the picture. Automatic exposure is found once, so that a series does not flicker.
+fn write_frame(renderer: &Renderer, args: &RenderArgs, path: &Path, work: &mut Work) -> Result<()> {
     let pixels = renderer.read_picture()?;
+    let exposure = *work.exposure_ev.get_or_insert_with(|| match args.exposure {
+        ExposureArg::Stops(ev) => ev,
+        ExposureArg::Auto => tone::auto_exposure(&pixels),
+    });
     let picture = Picture { width: args.size.0, height: args.size.1, pixels };
-    output::write_picture(path, &picture, args.layer.into(), args.exposure)
+    output::write_picture(path, &picture, args.layer.into(), exposure)
 }
 
 /// A bar on a terminal, nothing elsewhere.

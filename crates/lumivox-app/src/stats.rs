@@ -45,6 +45,7 @@ pub(crate) struct RenderStats {
     pub(crate) frames: u32,
     pub(crate) iterations: u32,
     pub(crate) settled: bool,
+    pub(crate) exposure_ev: Option<f32>,
     pub(crate) load_ms: f64,
     pub(crate) total_ms: f64,
     pub(crate) stages: Vec<StageStats>,

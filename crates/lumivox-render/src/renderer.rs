@@ -305,6 +305,21 @@ impl Renderer {
         Ok(FrameStats { stages: timer.finish(gpu)? })
     }
 
+    /// Makes a picture of the volume as the last frame left it, from any camera, without the cells above a height.
+    pub fn show_voxels(&mut self, camera: &Camera, cut_height: f32) -> Result<(), RendererError> {
+        self.set_camera(camera);
+        let Self { gpu, camera, volume, picture, .. } = self;
+        self.voxel_view.cut(gpu, cut_height);
+        camera.update(gpu, self.scale);
+        let mut timer = StageTimer::new(gpu, None);
+        timer.stage(gpu, "debug/voxels", |e| {
+            self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture)
+        })?;
+        timer.finish(gpu)?;
+        self.voxel_view.cut(gpu, f32::MAX);
+        Ok(())
+    }
+
     /// Flux still under way in the volume; see [`IndirectLight::flux_under_way`].
     pub fn flux_under_way(&self) -> Result<f64, RendererError> {
         Ok(self.indirect.flux_under_way(&self.gpu)?)

@@ -1,7 +1,7 @@
 //! The tone curve of PNG output.
 //!
 //! Radiance is scaled by `2^EV`, then each channel goes through Hable's filmic curve, normalised so that 11.2 becomes white,
-//! then the sRGB transfer function. Radiance 0.18 at exposure 0 becomes a middle grey (sRGB 0.38); the shoulder
+//! then the sRGB transfer function. Radiance 0.18 at exposure 0 becomes a middle grey; the shoulder
 //! keeps bright surfaces from clipping, the toe keeps shadows deep. Layers that are not radiance (albedo, normal) skip the
 //! curve, and depth is shown from white (near) to black (far).
 
@@ -9,6 +9,8 @@ use glam::Vec3;
 
 /// Input that becomes white.
 const WHITE: f32 = 11.2;
+/// Radiance that [`auto_exposure`] aims at.
+const MIDDLE_GREY: f32 = 0.18;
 /// Brings middle grey to where the eye expects it after the curve has pressed highlights down.
 const PRE_EXPOSURE: f32 = 2.0;
 
@@ -16,6 +18,20 @@ const PRE_EXPOSURE: f32 = 2.0;
 pub fn tone_mapped(radiance: Vec3, exposure_ev: f32) -> [u8; 3] {
     let scaled = PRE_EXPOSURE * exposure_ev.exp2() * radiance.max(Vec3::ZERO);
     srgb_bytes(scaled.to_array().map(|c| hable(c) / hable(WHITE)).into())
+}
+
+/// The exposure that brings the geometric mean of what is lit to middle grey, between -8 and +8 stops. Pixels darker than a
+/// thousandth of the mean count as unlit, so that black shadows do not make the rest glare.
+pub fn auto_exposure(radiance: &[Vec3]) -> f32 {
+    let luminance = |c: &Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    let mean = radiance.iter().map(luminance).sum::<f32>() / radiance.len().max(1) as f32;
+    let lit: Vec<f32> =
+        radiance.iter().map(luminance).filter(|l| *l > 1e-3 * mean && l.is_finite()).collect();
+    if lit.is_empty() {
+        return 0.0;
+    }
+    let log_mean = lit.iter().map(|l| l.log2()).sum::<f32>() / lit.len() as f32;
+    (MIDDLE_GREY.log2() - log_mean).clamp(-8.0, 8.0)
 }
 
 /// Linear values 0..1 to sRGB bytes.
@@ -48,6 +64,15 @@ mod tests {
         let ramp: Vec<u8> = (0..200).map(|i| tone_mapped(Vec3::splat(0.05 * i as f32), 0.0)[0]).collect();
         assert!(ramp.is_sorted());
         assert_eq!(*ramp.last().unwrap(), 255);
+    }
+
+    #[test]
+    fn middle_grey_looks_so() {
+        let [grey, ..] = tone_mapped(Vec3::splat(0.18), 0.0);
+        assert!((90..=125).contains(&grey), "{grey}");
+        let dark = vec![Vec3::splat(0.18 / 8.0); 10];
+        assert!((auto_exposure(&dark) - 3.0).abs() < 1e-3);
+        assert_eq!(auto_exposure(&[Vec3::ZERO; 4]), 0.0);
     }
 
     #[test]

@@ -22,8 +22,10 @@ lumivox::gpu_struct! {
         pub headlight: f32,
         /// Share of the direct light that leaves a cell.
         pub light: f32,
+        /// Cells above this height (world y) are left out, to look under roofs.
+        pub cut_height: f32,
         /// Unused.
-        pub reserved: glam::Vec2,
+        pub reserved: f32,
     }
 }
 
@@ -37,11 +39,13 @@ pub struct VoxelView {
 impl VoxelView {
     /// Compiles it.
     pub fn new(gpu: &Gpu) -> Self {
-        let shown = VoxelViewUniform { headlight: 0.6, light: 0.8, reserved: glam::Vec2::ZERO };
-        Self {
-            pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, false),
-            uniform: Uniform::new(gpu, "render/voxel view", &shown),
-        }
+        let uniform = Uniform::new(gpu, "render/voxel view", &shown(f32::MAX));
+        Self { pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, false), uniform }
+    }
+
+    /// Leaves out the cells above a height, from the next submission on.
+    pub fn cut(&self, gpu: &Gpu, height: f32) {
+        self.uniform.write(gpu, &shown(height));
     }
 
     /// Draws the cells as the camera would see them.
@@ -64,4 +68,8 @@ impl VoxelView {
             .read("light", light.coefficients());
         self.pass.record(gpu, encoder, &bindings, picture, false)
     }
+}
+
+fn shown(cut_height: f32) -> VoxelViewUniform {
+    VoxelViewUniform { headlight: 0.6, light: 0.8, cut_height, reserved: 0.0 }
 }

@@ -3,7 +3,8 @@
 struct VoxelViewUniform {
     headlight: f32,
     light: f32,
-    reserved: vec2f,
+    cut_height: f32,
+    reserved: f32,
 }
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
@@ -69,7 +70,8 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         }
         let index = cell_index(grid, vec3u(cell));
         // The cell that the eye is in would hide everything.
-        if unpack_half4(normal[index]).w > 0.0 && distance > 0.5 {
+        let shown = cell_center(grid, vec3u(cell)).y < voxel_view.cut_height;
+        if shown && unpack_half4(normal[index]).w > 0.0 && distance > 0.5 {
             let p = fract(ray.origin + distance * ray.direction);
             let across = select(min(p, 1.0 - p), vec3f(1.0), abs(face) > vec3f(0.5));
             let edge = min(min(across.x, across.y), across.z);

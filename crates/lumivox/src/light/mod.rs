@@ -12,8 +12,9 @@
 //! | `reconstruction` | irradiance at a pixel from the occupied cells around it (equations 12 to 15) |
 //!
 //! **Energy.** The flux that leaves a cell is split over its six faces in shares that sum to one, an occupied cell returns
-//! its albedo's part of what it receives, and what leaves the grid is gone; so a step never creates energy, and every
-//! stage is linear in light.
+//! its albedo's part of what it receives, and what leaves the grid is gone: what is under way, what was absorbed and what left
+//! always add up to what was sent out. Every stage is linear in light. The price of linearity with four coefficients is that
+//! a share can be negative; such ripples cancel in the sums, and only the picture cuts them off at zero.
 //!
 //! **Where the text leaves room.**
 //!

@@ -9,7 +9,7 @@
 //! view sees keep what they held: that is what makes the volume grow over the frames.
 //!
 //! What a view must bring is [`ViewTextures`]. The camera's G-buffer and the lights' reflective shadow maps have the
-//! same four pictures, and any other depth image with attributes will do.
+//! same pictures, and any other depth image with attributes will do.
 //!
 //! **Lighting rule** (6.3, two traps closed). Attributes persist, light does not. Each frame the direct light of a
 //! cell is, per light, the *mean* exitant radiance of the samples of that light's map that fall in it, summed over the lights;
