@@ -83,10 +83,8 @@ fn slope_paint(p: DVec3) -> Paint {
 /// the cell, and on average by much less. A sum over samples would quadruple.
 fn resolution_does_not_matter(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
-    let plane =
-        Thing(Shape::Plane { point: DVec3::new(0.0, -0.9, 0.0), normal: DVec3::Y }, slope_paint);
-    let view =
-        View::orthographic(Vec3::Y * 3.0, Vec3::ZERO, Vec3::Z, Vec2::splat(4.4), 6.0);
+    let plane = Thing(Shape::Plane { point: DVec3::new(0.0, -0.9, 0.0), normal: DVec3::Y }, slope_paint);
+    let view = View::orthographic(Vec3::Y * 3.0, Vec3::ZERO, Vec3::Z, Vec2::splat(4.4), 6.0);
     let picture = |side| Picture::take(&view, UVec2::splat(side), &[plane]);
     let sizes = [(64, 32), (64, 64), (128, 128)];
     let mut lights = Vec::new();
@@ -103,7 +101,11 @@ fn resolution_does_not_matter(labs: &Labs) -> Result<(), Failed> {
         assert!(both.len() > 200, "only {} cells are lit", both.len());
         let worst = both.iter().map(|[a, b]| (a - b).abs()).fold(0.0, f64::max);
         let [coarse, fine] = [0, 1].map(|i| both.iter().map(|pair| pair[i]).sum::<f64>());
-        eprintln!("{points} points of {side}: worst {:.3} of the rise, total {:.5}", worst / rise, fine / coarse);
+        eprintln!(
+            "{points} points of {side}: worst {:.3} of the rise, total {:.5}",
+            worst / rise,
+            fine / coarse
+        );
         assert!(worst <= rise * 1.02, "{points} of {side}: a cell changed by {worst}, the rise is {rise}");
         assert!((fine / coarse - 1.0).abs() < 2e-3, "the light of all cells changed by {}", fine / coarse);
     }
@@ -142,8 +144,7 @@ fn same_bits(labs: &Labs) -> Result<(), Failed> {
         }
         let light: Vec<u32> = world.light.read_back(&lab.gpu)?.iter().flatten().flat_map(bits).collect();
         let volume = world.read(&lab.gpu)?;
-        let cells: Vec<u32> =
-            volume.names().flat_map(|n| channel(&volume, n)).flat_map(bits).collect();
+        let cells: Vec<u32> = volume.names().flat_map(|n| channel(&volume, n)).flat_map(bits).collect();
         Ok((light, cells))
     };
     let first = frames(&labs.core)?;
