@@ -1,0 +1,190 @@
+//! What the picture's layers show, and that it is the right way up.
+
+use glam::{UVec2, Vec3, Vec4};
+use libtest_mimic::Failed;
+use lumivox::gpu::Gpu;
+use lumivox_render::{Layer, Settings};
+use lumivox_scene::{Camera, Material, Scene, Texture, Wrap, builtin};
+
+use crate::Check;
+use crate::camera::rays;
+use crate::scenes::{Quad, add, picture, small};
+
+pub(crate) const TESTS: &[(&str, Check)] = &[
+    ("left is left and up is up", orientation),
+    ("a texture stands upright", upright_texture),
+    ("the albedo layer is base colour times vertex colour", albedo),
+    ("emission is its radiance, once", emission),
+    ("the sky's radiance is where nothing is", sky),
+    ("the depth layer is metres along the view", depth),
+    ("normals face the camera", normals),
+];
+
+/// In front of a wall in the plane z = 0.
+fn front() -> Camera {
+    Camera::look("front", Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 60.0)
+}
+
+fn seen(gpu: &Gpu, scene: &Scene, camera: &Camera, layer: Layer) -> Result<(Vec<Vec3>, UVec2), Failed> {
+    // Wider than high: neither axis can pass for the other.
+    let settings = Settings { size: UVec2::new(96, 64), layer, ..small() };
+    Ok((picture(gpu, scene, camera, settings)?, settings.size))
+}
+
+fn orientation(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene::default();
+    add(&mut scene, Material::matte("wall", Vec3::splat(0.2)), &[Quad::upright(Vec3::ZERO, 9.0, 9.0)]);
+    let things = [(Vec3::X, Vec3::new(-0.8, 0.0, 0.1)), (Vec3::Y, Vec3::new(0.0, 0.6, 0.1))];
+    for (color, at) in things {
+        add(&mut scene, Material::matte("thing", color), &[Quad::upright(at, 0.3, 0.3)]);
+    }
+    let (picture, size) = seen(gpu, &scene, &front(), Layer::Albedo)?;
+    for (color, at) in things {
+        let pixels: Vec<_> = (0..picture.len()).filter(|&n| picture[n] == color).collect();
+        let mean = pixels.iter().map(|&n| [n % size.x as usize, n / size.x as usize]).fold(
+            [0.0f32; 2],
+            |sum, [x, y]| {
+                let share = 1.0 / pixels.len() as f32;
+                [sum[0] + share * (x as f32 + 0.5), sum[1] + share * (y as f32 + 0.5)]
+            },
+        );
+        // Row 0 on top: what is at the left has a small column, what is above a small row.
+        let pixels_per_metre = 0.5 * size.y as f32 / (1.9 * (0.5 * front().fov_y).tan());
+        let expected =
+            [0.5 * size.x as f32 + pixels_per_metre * at.x, 0.5 * size.y as f32 - pixels_per_metre * at.y];
+        assert!(
+            (mean[0] - expected[0]).abs() < 0.5 && (mean[1] - expected[1]).abs() < 0.5,
+            "{mean:?} {expected:?}"
+        );
+    }
+    Ok(())
+}
+
+/// Two by two texels: red, green; blue, white.
+pub(crate) fn four_colors() -> Texture {
+    let pixels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]].concat();
+    Texture { name: "four".to_owned(), width: 2, height: 2, srgb: true, pixels, wrap: [Wrap::Clamp; 2] }
+}
+
+fn upright_texture(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene { textures: vec![four_colors()], ..Scene::default() };
+    let material = Material { base_color_texture: Some(0), ..Material::matte("four", Vec3::ONE) };
+    let quad = Quad::upright(Vec3::ZERO, 1.6, 1.6);
+    add(&mut scene, material, &[quad]);
+    let (picture, size) = seen(gpu, &scene, &front(), Layer::Albedo)?;
+    let mut counts = [0; 4];
+    for (ray, seen) in rays(&front(), size).into_iter().zip(picture) {
+        let Some((distance, inside)) = ray.meets(quad.corner, quad.u, quad.v) else { continue };
+        let p = ray.origin + distance * ray.direction;
+        // Between the texels' middles colours mix; towards the corners they are pure.
+        if inside < 0.02 || p.x.abs() < 0.42 || p.y.abs() < 0.42 {
+            continue;
+        }
+        let which = usize::from(p.x > 0.0) + 2 * usize::from(p.y < 0.0);
+        counts[which] += 1;
+        let expected = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE][which];
+        assert!((seen - expected).abs().max_element() < 0.01, "{seen} at {p}: {expected}");
+    }
+    assert!(counts.iter().all(|&c| c > 40), "{counts:?}");
+    Ok(())
+}
+
+fn srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn albedo(gpu: &Gpu) -> Result<(), Failed> {
+    for (base, vertex) in [(0.02, 1.0), (0.37, 0.8), (1.0, 0.4), (0.9, 1.0)] {
+        let mut scene = Scene::default();
+        let base_color = Vec4::new(base, 0.5 * base, 0.1 * base, 1.0);
+        let material = Material { base_color, ..Material::default() };
+        add(&mut scene, material, &[Quad::upright(Vec3::ZERO, 9.0, 9.0)]);
+        scene.meshes[0].colors = vec![[vertex, 1.0, vertex, 1.0]; 4];
+        let (picture, _) = seen(gpu, &scene, &front(), Layer::Albedo)?;
+        let expected = base_color.truncate() * Vec3::new(vertex, 1.0, vertex);
+        for pixel in picture {
+            for (seen, expected) in pixel.to_array().into_iter().zip(expected.to_array()) {
+                // One step of the eight bits of vertex colours and of the albedo target, half a step each.
+                let error = (srgb(seen) - srgb(expected)).abs();
+                assert!(error < 1.01 / 255.0, "{seen} instead of {expected}");
+            }
+        }
+    }
+    Ok(())
+}
+
+fn emission(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene { sky: Vec3::splat(0.5), ..Scene::default() };
+    let radiance = Vec3::new(0.3, 2.0, 17.0);
+    let material = Material { emission: radiance, ..Material::matte("lamp", Vec3::splat(0.5)) };
+    add(&mut scene, material, &[Quad::upright(Vec3::ZERO, 9.0, 9.0)]);
+    let (picture, _) = seen(gpu, &scene, &front(), Layer::Final)?;
+    assert!(picture.iter().all(|p| (*p - radiance).abs().cmple(1e-3 * radiance).all()), "{}", picture[0]);
+    let (picture, _) = seen(gpu, &scene, &front(), Layer::Direct)?;
+    assert!(picture.iter().all(|p| *p == Vec3::ZERO), "emission is no reflected light");
+    Ok(())
+}
+
+fn sky(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene { sky: Vec3::new(0.5, 0.75, 1.0), ..Scene::default() };
+    add(&mut scene, Material::matte("wall", Vec3::ZERO), &[Quad::upright(Vec3::ZERO, 1.0, 1.0)]);
+    let (picture, size) = seen(gpu, &scene, &front(), Layer::Final)?;
+    assert_eq!(picture[0], scene.sky);
+    let middle = (size.y / 2 * size.x + size.x / 2) as usize;
+    assert_eq!(picture[middle], Vec3::ZERO);
+    for layer in [Layer::Direct, Layer::Indirect, Layer::Albedo, Layer::Depth] {
+        assert_eq!(seen(gpu, &scene, &front(), layer)?.0[0], Vec3::ZERO, "{layer:?}");
+    }
+    Ok(())
+}
+
+fn depth(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene::default();
+    let floor = Quad::level(Vec3::ZERO, 60.0);
+    let wall = Quad::upright(Vec3::new(0.0, 1.0, -7.0), 20.0, 2.0);
+    add(&mut scene, Material::default(), &[floor, wall]);
+    let camera = Camera::look("low", Vec3::new(1.0, 1.2, 3.0), Vec3::new(0.5, 0.6, 0.0), 70.0);
+    let (picture, size) = seen(gpu, &scene, &camera, Layer::Depth)?;
+    let forward = (camera.target - camera.eye).normalize_or_zero();
+    let mut counts = [0; 2];
+    for (ray, seen) in rays(&camera, size).into_iter().zip(picture) {
+        let hits = [floor, wall].map(|q| ray.meets(q.corner, q.u, q.v).filter(|(_, inside)| *inside > -0.05));
+        let Some(which) = (0..2).filter(|&q| hits[q].is_some()).min_by(|&a, &b| {
+            let distance = |q: usize| hits[q].map_or(f32::INFINITY, |(distance, _)| distance);
+            distance(a).total_cmp(&distance(b))
+        }) else {
+            assert_eq!(seen, Vec3::ZERO);
+            continue;
+        };
+        let Some((distance, inside)) = hits[which].filter(|(_, inside)| *inside > 0.05) else { continue };
+        assert!(inside > 0.0);
+        let expected = distance * forward.dot(ray.direction);
+        counts[which] += 1;
+        // The picture's half floats alone are 1/2048 off.
+        assert!((seen.x - expected).abs() < 1e-3 * expected, "{} instead of {expected}", seen.x);
+        assert!(seen.x == seen.y && seen.y == seen.z);
+    }
+    assert!(counts[0] > 1000 && counts[1] > 300, "{counts:?}");
+    Ok(())
+}
+
+/// Outside and inside: whatever the winding, both sides of a surface are its front for who sees them.
+fn normals(gpu: &Gpu) -> Result<(), Failed> {
+    let inside = Camera::look("inside", Vec3::new(0.0, 0.1, 0.8), Vec3::new(0.1, 0.0, -1.0), 70.0);
+    let outside = Camera::look("outside", Vec3::new(2.0, 3.0, 4.0), Vec3::ZERO, 50.0);
+    let scene = builtin::furnace(1);
+    for camera in [inside, outside] {
+        let (picture, size) = seen(gpu, &scene, &camera, Layer::Normal)?;
+        let mut count = 0;
+        for (ray, seen) in rays(&camera, size).into_iter().zip(picture) {
+            if seen == Vec3::ZERO {
+                continue;
+            }
+            let normal = 2.0 * seen - 1.0;
+            count += 1;
+            assert!((normal.length() - 1.0).abs() < 2e-3 && normal.dot(ray.direction) < 1e-3, "{normal}");
+        }
+        assert!(count > 1000, "{}: {count}", camera.name);
+    }
+    Ok(())
+}
