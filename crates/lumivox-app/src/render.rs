@@ -56,6 +56,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             meshes: scene.meshes.len(),
             textures: scene.textures.len(),
             lights: scene.lights.len(),
+            ignored_lights: stats::ignored_lights(&scene),
             grid: grid.dims.to_array(),
             cell_size_m: grid.cell_size,
             frames: work.frames,
