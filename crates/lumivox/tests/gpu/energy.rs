@@ -1,5 +1,5 @@
-//! Where light goes: none is made, none is lost, the furnace has its closed form, walls hold light back, and pixels gather it
-//! from occupied cells.
+//! Where light goes: none is made, none is lost, the furnace has its closed form, walls hold light back, and pixels
+//! gather it from occupied cells.
 //!
 //! Totals are sums of signed flux. Four coefficients that keep their direction overshoot, so single cells may receive less
 //! than nothing, and others more for it.

@@ -2,6 +2,7 @@
 
 use libtest_mimic::Failed;
 use lumivox::glam::{UVec3, Vec3};
+use lumivox::gpu::GpuError;
 
 use crate::cells::{Cells, Incident, incident};
 use crate::support::Random;
@@ -11,6 +12,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("light: propagation is linear", linear),
     ("light: propagation is scale-free", scale_free),
     ("light: a mirrored scene is lit like its mirror image", mirrored),
+    ("light: the same light gives the same bits, on every tier", same_bits),
 ];
 
 /// Scattered surfaces that look into all directions, some of them lit.
@@ -50,9 +52,11 @@ fn distance(a: &Incident, b: &Incident) -> (f64, f64) {
 }
 
 const STEPS: u32 = 24;
-/// Each step rounds every coefficient to a half float, half a unit in the last of 11 places; three
-/// runs are compared. Were all errors of one sign, this would be their sum.
-const HALF_FLOAT_BOUND: f64 = 3.0 * STEPS as f64 / 4096.0;
+/// Each step rounds every coefficient to a half float, by half a unit in the last of 11 places at most. Such errors
+/// grow with the root of their number.
+fn half_float_bound(runs: u32) -> f64 {
+    f64::from(runs) * f64::from(STEPS).sqrt() / 4096.0
+}
 
 fn linear(labs: &Labs) -> Result<(), Failed> {
     let empty = clutter(1);
@@ -70,7 +74,8 @@ fn linear(labs: &Labs) -> Result<(), Failed> {
     let (total, worst) = distance(&sum, &of_both);
     eprintln!("linearity: off by {total:.2e} in all, by {worst:.2e} of a mean cell at worst");
     assert!(of_both.iter().flatten().flatten().any(|v| *v > 1.0), "nothing is lit");
-    assert!(total < HALF_FLOAT_BOUND && worst < HALF_FLOAT_BOUND, "off by {total} in all, {worst} at worst");
+    let bound = half_float_bound(3);
+    assert!(total < bound && worst < bound, "off by {total} in all, {worst} at worst");
     Ok(())
 }
 
@@ -125,8 +130,21 @@ fn mirrored(labs: &Labs) -> Result<(), Failed> {
         let (total, worst) = distance(&back, &expected);
         eprintln!("mirrored along {axis}: off by {total:.2e} in all, by {worst:.2e} of a mean cell at worst");
         // The neighbours are added up in another order, and two runs are rounded.
-        let bound = HALF_FLOAT_BOUND * 2.0 / 3.0;
+        let bound = half_float_bound(2);
         assert!(total < bound && worst < bound, "along {axis}: off by {total} in all, {worst} at worst");
     }
+    Ok(())
+}
+
+fn same_bits(labs: &Labs) -> Result<(), Failed> {
+    let scene = lit_at_random(&clutter(8), 9);
+    let bits = |lab| -> Result<Vec<u32>, GpuError> {
+        let light = incident(lab, &scene, STEPS)?;
+        Ok(light.iter().flatten().flatten().map(|v| v.to_bits()).collect())
+    };
+    let first = bits(&labs.core)?;
+    assert!(first.iter().filter(|b| **b != 0).count() > 1000);
+    assert!(first == bits(&labs.core)?, "two runs on one device differ");
+    assert!(first == bits(&labs.native)?, "two tiers differ");
     Ok(())
 }

@@ -111,8 +111,8 @@ fn cleanup_is_its_definition(labs: &Labs) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Whether a stored half float is a mean of samples that were each rounded to a step: half a step, and one part in 1024 for the
-/// conversion, which may truncate.
+/// Whether a stored half float is a mean of samples that were each rounded to a step: half a step, and one part in
+/// 1024 for the conversion, which may truncate.
 fn is_mean(stored: f32, mean: f64, step: f64) -> bool {
     let stored = f64::from(stored);
     (stored - mean).abs() <= 0.5 * step + mean.abs() / 1024.0 + 1e-7
