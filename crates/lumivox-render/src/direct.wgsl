@@ -9,20 +9,25 @@
 @group(0) @binding(6) var shadow_depth: texture_depth_2d;
 @group(0) @binding(7) var shadow_comparison: sampler_comparison;
 
-// Share of the light that arrives, or none outside the map.
+// Share of the light that arrives, or none outside the map. Whether a point is inside is asked where it is, before it is
+// moved off its surface: points on the seam of two views belong to one of them, whatever their texels measure.
 fn visible_share(p: vec3f, n: vec3f) -> f32 {
     let m = shadow_view.clip_from_world;
+    let own = m * vec4f(p, 1.0);
+    if own.w <= 0.0 {
+        return 0.0;
+    }
+    if any(abs(own.xy) > vec2f(own.w)) || own.z < 0.0 {
+        return select(0.0, 1.0, light.kind == LIGHT_DIRECTIONAL);
+    }
     let row_x = vec3f(m[0].x, m[1].x, m[2].x);
-    let w = (m * vec4f(p, 1.0)).w;
-    let texel_size = 2.0 * w / (length(row_x) * f32(shadow_view.size.x));
+    let texel_size = 2.0 * own.w / (length(row_x) * f32(shadow_view.size.x));
     let clip = m * vec4f(p + 1.6 * texel_size * n, 1.0);
     if clip.w <= 0.0 {
         return 0.0;
     }
-    let ndc = clip.xyz / clip.w;
-    if any(abs(ndc.xy) > vec2f(1.0)) || ndc.z < 0.0 || ndc.z > 1.0 {
-        return select(0.0, 1.0, light.kind == LIGHT_DIRECTIONAL);
-    }
+    // Beyond its border the map goes on as its last texels; the scene ends before the far plane does.
+    let ndc = vec3f(clip.xy / clip.w, saturate(clip.z / clip.w));
     let uv = uv_from_ndc(ndc.xy);
     let texel = 1.0 / vec2f(shadow_view.size);
     var lit = 0.0;

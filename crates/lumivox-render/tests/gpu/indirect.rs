@@ -81,8 +81,7 @@ fn black_shadows(gpu: &Gpu) -> Result<(), Failed> {
 
 fn bleeding(gpu: &Gpu, voxels: VoxelSource) -> Result<(), Failed> {
     let (scene, front) = corner();
-    let settings =
-        Settings { gi: GiMethod::Propagation, voxels, layer: Layer::Indirect, iterations: 64, ..small() };
+    let settings = Settings { gi: GiMethod::Propagation, voxels, layer: Layer::Indirect, ..small() };
     let mut renderer = Renderer::new(gpu, &scene, settings)?;
     renderer.set_camera(&corner_camera());
     renderer.frame(None)?;
