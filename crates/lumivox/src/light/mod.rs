@@ -14,7 +14,9 @@
 //! **Energy.** The flux that leaves a cell is split over its six faces in shares that sum to one, an occupied cell returns
 //! its albedo's part of what it receives, and what leaves the grid is gone: what is under way, what was absorbed and what left
 //! always add up to what was sent out. Every stage is linear in light. The price of linearity with four coefficients is that
-//! a share can be negative; such ripples cancel in the sums, and only the picture cuts them off at zero.
+//! a share can be negative (-0.31 of a cell's flux goes back at the default persistence; none below 0.33): the *sums* are
+//! right, but next to a small bright patch some cells receive too much and others less than nothing. In a black room with
+//! one lit cell the walls receive 119 % and the cell itself -19 %. Only the picture cuts negative light off at zero.
 //!
 //! **Where the text leaves room.**
 //!
@@ -57,7 +59,8 @@ const INCIDENT_BYTES: u64 = 48;
 pub struct LightSettings {
     /// How much of its direction light keeps in one step through an empty cell, 0 to 1. Low values diffuse: light stays near the
     /// surfaces it left (0.57 is the cosine lobe of light propagation volumes). High values carry it across a
-    /// room; at 1 a step conserves energy and momentum, and overshoot makes faint ripples.
+    /// room; at 1 a step conserves energy and momentum. Above 0.33 shares can be negative, which ripples around small
+    /// bright patches.
     pub persistence: f32,
     /// Radiance that enters the grid from outside, W/(m2 sr).
     pub sky: Vec3,

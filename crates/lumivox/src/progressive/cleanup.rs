@@ -6,8 +6,8 @@
 //! "radius clamped by the voxel boundaries" of the text. The printed listing takes the distance between two opposite
 //! corners moved by a radius instead, up to 3 cells, and leaves that much stale.
 //!
-//! Centres outside the view's frustum are kept. A texel on which nothing was drawn is infinitely far: what lies before it is
-//! empty.
+//! Centres outside the view's frustum are kept. A texel on which nothing was drawn shows the far plane: what lies before it
+//! is empty.
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::VolumeBuffer;
