@@ -49,6 +49,7 @@ struct Walk {
 
 /// Runs the command.
 pub(crate) fn run(args: &DemoArgs) -> Result<()> {
+    output::prepare_folder(&args.out.join("sheet.png"))?;
     let start = clock::millis();
     let gpu = info::open_gpu(&args.gpu)?;
     let scene = builtin::atrium(2);

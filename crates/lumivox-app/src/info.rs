@@ -7,6 +7,7 @@ use lumivox::gpu::{AdapterChoice, Gpu, Tier};
 use serde::Serialize;
 
 use crate::args::{GpuArgs, InfoArgs, TierArg};
+use crate::output;
 use crate::stats::{self, AdapterStats};
 
 #[derive(Debug, Serialize)]
@@ -37,6 +38,7 @@ pub(crate) fn open_gpu(args: &GpuArgs) -> Result<Gpu> {
 
 /// Runs the command.
 pub(crate) fn run(args: &InfoArgs) -> Result<()> {
+    args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
     let adapters = pollster::block_on(Gpu::adapters());
     let gpu = open_gpu(&args.gpu)?;
     let limits = gpu.device.limits();

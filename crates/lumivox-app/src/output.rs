@@ -48,6 +48,18 @@ pub(crate) fn format_of(path: &Path) -> Result<Format> {
     }
 }
 
+/// Makes the folder that a file will be written into, before any work is done for it.
+pub(crate) fn prepare_folder(path: &Path) -> Result<()> {
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot write {}: its folder cannot be made", path.display()))?;
+    }
+    if path.is_dir() {
+        bail!("cannot write {}: a folder of that name is in the way", path.display());
+    }
+    Ok(())
+}
+
 /// Writes a picture in the format of its name.
 pub(crate) fn write_picture(path: &Path, picture: &Picture, layer: Layer, exposure_ev: f32) -> Result<()> {
     match format_of(path)? {

@@ -31,6 +31,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if !(args.time.is_finite() && (0.0..=1.0).contains(&args.persistence)) {
         bail!("--time must be finite and --persistence 0 to 1");
     }
+    output::prepare_folder(&args.output)?;
+    args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
     let start = clock::millis();
     let mut scene = lumivox_scene::load(&args.scene)?;
     let load_ms = clock::millis() - start;

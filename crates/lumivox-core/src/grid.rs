@@ -15,6 +15,8 @@ pub enum GridError {
     BadBounds(Bounds),
     /// The longest axis must have at least one cell and at most [`Grid::MAX_SIDE`].
     BadResolution(u32),
+    /// With a margin of one cell on each side, fewer than three cells leave nothing inside.
+    TooFewForMargin(u32),
 }
 
 impl std::fmt::Display for GridError {
@@ -26,6 +28,11 @@ impl std::fmt::Display for GridError {
             Self::BadResolution(n) => {
                 write!(f, "a grid needs 1 to {} cells along its longest axis, not {n}", Grid::MAX_SIDE)
             }
+            Self::TooFewForMargin(n) => write!(
+                f,
+                "a grid with a margin needs 3 to {} cells along its longest axis, not {n}",
+                Grid::MAX_SIDE
+            ),
         }
     }
 }
@@ -66,8 +73,9 @@ impl Grid {
     /// pass around what touches the bounds.
     pub fn fit_with_margin(bounds: &Bounds, resolution: u32) -> Result<Self, GridError> {
         if resolution < 3 {
-            return Err(GridError::BadResolution(resolution));
+            return Err(GridError::TooFewForMargin(resolution));
         }
+        Self::check(bounds, resolution)?;
         let inner = Self::fit(bounds, resolution - 2)?;
         Ok(Self {
             origin: inner.origin - Vec3::splat(inner.cell_size),
@@ -183,7 +191,8 @@ mod tests {
         assert!(matches!(Grid::fit(&Bounds::EMPTY, 8), Err(GridError::BadBounds(_))));
         assert!(matches!(Grid::fit(&grid().bounds(), 0), Err(GridError::BadResolution(0))));
         assert!(matches!(Grid::fit(&grid().bounds(), 4000), Err(GridError::BadResolution(4000))));
-        assert!(matches!(Grid::fit_with_margin(&grid().bounds(), 2), Err(GridError::BadResolution(2))));
+        assert!(matches!(Grid::fit_with_margin(&grid().bounds(), 2), Err(GridError::TooFewForMargin(2))));
+        assert!(matches!(Grid::fit_with_margin(&grid().bounds(), 2049), Err(GridError::BadResolution(2049))));
         let point = Bounds::new(Vec3::ONE, Vec3::ONE);
         assert!(matches!(Grid::fit(&point, 8), Err(GridError::BadBounds(_))));
     }

@@ -1,6 +1,6 @@
 //! A volume from a scene's triangles, on the CPU: for stills, where every surface should count, seen or not.
 //!
-//! Each triangle is sampled on a barycentric lattice finer than half a cell, so that the cells it passes through get at least
+//! Each triangle is cut into small ones of less than half a cell, sampled in their middles, so that the cells it passes through get at least
 //! one sample, and cells take the area-weighted means of what falls in. Coverage is *sampled*: all marked cells overlap
 //! the surface, and a corner that a triangle only just cuts may stay empty. A surface on a cell boundary marks the cell
 //! behind its normal, as a view of that side would.
@@ -11,7 +11,7 @@ use lumivox::progressive::SURFACE_SHIFT;
 use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Texture, Wrap};
 
 /// Lattice steps per cell along the longest edge.
-const SAMPLES_PER_CELL: f32 = 2.2;
+const SAMPLES_PER_CELL: f32 = 2.5;
 /// No triangle gets a finer lattice than this; a grid has at most 2048 cells a side.
 const MAX_STEPS: u32 = 8192;
 
@@ -75,9 +75,10 @@ fn add_triangle(
     let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
     let weight = area / (steps * steps) as f32;
     let shift = SURFACE_SHIFT as f32 * grid.cell_size * normal;
-    for row in 0..=steps {
-        for column in 0..=steps - row {
-            let (u, v) = (column as f32 / steps as f32, row as f32 / steps as f32);
+    // The lattice cuts the triangle into steps x steps alike small ones; each is sampled in its middle.
+    for row in 0..steps {
+        for column in 0..2 * (steps - row) - 1 {
+            let (u, v) = small_triangle_middle(row, column, steps);
             let barycentric = Vec3::new(1.0 - u - v, u, v);
             let point = (0..3).map(|i| barycentric[i] * corners[i]).sum::<Vec3>();
             let Some(cell) = grid.cell_from_world(point - shift).map(|c| grid.index(c)) else { continue };
@@ -87,6 +88,12 @@ fn add_triangle(
             volume.emission[cell] += (weight * emission).extend(0.0);
         }
     }
+}
+
+/// Barycentric middle of a small triangle: even columns point up, odd ones down.
+fn small_triangle_middle(row: u32, column: u32, steps: u32) -> (f32, f32) {
+    let third = if column.is_multiple_of(2) { 1.0 / 3.0 } else { 2.0 / 3.0 };
+    ((((column / 2) as f32) + third) / steps as f32, (row as f32 + third) / steps as f32)
 }
 
 struct Surface<'a> {
