@@ -65,7 +65,7 @@ pub(crate) struct DemoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
-    /// A scene file (.glb .gltf .obj .ply .stl .off .scene.json) or builtin:NAME[:DETAIL].
+    /// A scene file (.glb .gltf .obj .ply .stl .off .scene.json) or builtin:NAME, builtin:NAME:DETAIL.
     pub(crate) scene: String,
     /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png.
     #[arg(short, long, value_name = "FILE")]
@@ -73,7 +73,7 @@ pub(crate) struct RenderArgs {
     /// Picture size.
     #[arg(long, default_value = "960x540")]
     pub(crate) size: Size,
-    /// x,y,z:x,y,z[:degrees]: eye, target and vertical field of view. Without it the scene's first camera, else one that
+    /// x,y,z:x,y,z or x,y,z:x,y,z:degrees: eye, target and vertical field of view. Without it the scene's first camera, else one that
     /// shows the most.
     #[arg(long, allow_hyphen_values = true, value_name = "EYE:TARGET[:FOV]")]
     pub(crate) camera: Option<CameraArg>,
