@@ -84,7 +84,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) frames: Option<u32>,
     /// Time of the (first) picture in seconds, for scenes that move.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
     pub(crate) time: f32,
     /// Exposure in stops, for PNG; auto makes the (first) picture's lit parts middle grey on average.
     #[arg(long, allow_hyphen_values = true, default_value = "auto", value_name = "EV|auto")]

@@ -15,7 +15,7 @@ use crate::stats::{self, AdapterStats, RenderStats, StageStats};
 use crate::{clock, framing, info};
 
 /// Light has settled when this share of what was sent out is still under way.
-const SETTLED: f64 = 0.002;
+const SETTLED: f64 = 0.01;
 /// A still gives up settling after this many propagation steps.
 const MAX_STEPS: u32 = 8192;
 /// Seconds of a camera walk, and between two frames of a series.
@@ -28,8 +28,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if args.frames.is_some() {
         output::numbered(&args.output, 0)?;
     }
-    if !(args.time.is_finite() && (0.0..=1.0).contains(&args.persistence)) {
-        bail!("--time must be finite and --persistence 0 to 1");
+    if !(0.0..=1.0).contains(&args.persistence) {
+        bail!("--persistence must be 0 to 1");
+    }
+    if !args.time.is_finite() {
+        bail!("--time must be a finite number of seconds");
+    }
+    if args.stats.as_ref() == Some(&args.output) {
+        bail!("{}: the picture and its statistics cannot be one file", args.output.display());
     }
     output::prepare_folder(&args.output)?;
     args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
@@ -37,6 +43,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let mut scene = lumivox_scene::load(&args.scene)?;
     let load_ms = clock::millis() - start;
     stats::warn_of_import(&scene);
+    if scene.triangle_count() == 0 {
+        bail!("{}: there are no triangles to render", args.scene);
+    }
     light_scene(&mut scene, args);
     let cameras = Cameras::new(&scene, args)?;
 
