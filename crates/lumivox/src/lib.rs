@@ -49,6 +49,20 @@ pub fn shaders() -> Vec<gpu::Shader> {
     [progressive::shaders(), light::shaders()].concat()
 }
 
+/// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
+pub fn shader_constants() -> Vec<(&'static str, f32)> {
+    use lumivox_core::sh;
+    vec![
+        ("SH_Y0", sh::Y0),
+        ("SH_COS0", sh::COS0),
+        ("SH_COS1", sh::COS1),
+        ("SH_INTEGRAL", 1.0 / sh::Y0),
+        ("COSINE_RATIO", sh::COS1 / sh::COS0),
+        ("FACE_FLUX0", 1.0 / (6.0 * sh::Y0)),
+        ("FACE_FLUX1", light::FACE_FLUX1),
+    ]
+}
+
 /// Every struct of this crate that has a twin in WGSL: name, size and fields.
 pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
     fn entry<T: gpu::GpuStruct>() -> (&'static str, usize, &'static [gpu::Field]) {

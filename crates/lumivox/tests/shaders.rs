@@ -92,3 +92,24 @@ fn rust_structs_have_the_layout_of_their_twins() {
         assert_eq!(size, *span, "size of {name}");
     }
 }
+
+#[test]
+fn numbers_that_both_sides_spell_out_agree() {
+    let modules: Vec<_> = lumivox::shaders().iter().map(parse).collect();
+    for (name, expected) in lumivox::shader_constants() {
+        let values: Vec<f32> = modules
+            .iter()
+            .filter_map(|m| {
+                let (_, constant) = m.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name))?;
+                match m.global_expressions[constant.init] {
+                    naga::Expression::Literal(naga::Literal::F32(value)) => Some(value),
+                    _ => None,
+                }
+            })
+            .collect();
+        assert!(!values.is_empty(), "no shader has the constant {name}");
+        for value in values {
+            assert!((value / expected - 1.0).abs() < 1e-6, "{name}: {value} in WGSL, {expected} in Rust");
+        }
+    }
+}

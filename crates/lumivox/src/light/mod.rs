@@ -54,6 +54,10 @@ const TRANSPORT_BYTES: u64 = 16;
 /// late iterations against the sum of the early ones.
 const INCIDENT_BYTES: u64 = 48;
 
+/// Flux through one face of an empty cell per unit of the linear coefficient along it: the projection of a 90-degree cone,
+/// `Y1 * pi / 2`, scaled by 1.138 so that six faces share the whole.
+pub(crate) const FACE_FLUX1: f32 = 0.873_53;
+
 /// How light propagates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSettings {
@@ -85,7 +89,7 @@ crate::gpu_struct! {
 impl From<&LightSettings> for PropagationUniform {
     fn from(settings: &LightSettings) -> Self {
         // A lobe of unit flux with ratio r carries 2 * FACE_FLUX1 * Y0 * r of net flux through opposite faces.
-        const NET_FLUX_PER_RATIO: f32 = 2.0 * 0.873_53 * lumivox_core::sh::Y0;
+        const NET_FLUX_PER_RATIO: f32 = 2.0 * FACE_FLUX1 * lumivox_core::sh::Y0;
         Self { sky: settings.sky, lobe_ratio: settings.persistence.clamp(0.0, 1.0) / NET_FLUX_PER_RATIO }
     }
 }

@@ -34,7 +34,15 @@ pub(super) struct Injection(ComputePass);
 
 impl Injection {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[("SURFACE_SHIFT", SURFACE_SHIFT)]))
+        Self(ComputePass::new(
+            gpu,
+            &SHADER,
+            &[
+                ("SURFACE_SHIFT", SURFACE_SHIFT),
+                ("ATTRIBUTE_SUM_WORDS", ATTRIBUTE_SUM_WORDS as f64),
+                ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64),
+            ],
+        ))
     }
 
     pub(super) fn record(

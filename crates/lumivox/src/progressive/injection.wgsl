@@ -11,6 +11,8 @@
 @group(0) @binding(8) var<storage, read_write> light_sums: array<atomic<i32>>;
 
 override SURFACE_SHIFT: f32;
+override ATTRIBUTE_SUM_WORDS: u32;
+override LIGHT_SUM_WORDS: u32;
 
 fn add_attributes(at: u32, values: vec3f, steps: f32) {
     let fixed = vec3i(round(values * steps));
@@ -51,14 +53,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     }
     let index = cell_index(grid, cell_from_grid(grid, p));
 
-    let attributes_at = 10u * index;
+    let attributes_at = ATTRIBUTE_SUM_WORDS * index;
     add_attributes(attributes_at, n, view.unit_steps);
     add_attributes(attributes_at + 3u, saturate(textureLoad(albedo, texel, 0).rgb), view.unit_steps);
     add_attributes(attributes_at + 6u, within_range(textureLoad(emission, texel, 0).rgb), view.radiance_steps);
     atomicAdd(&attribute_sums[attributes_at + 9u], 1);
 
     let leaving = sh_scaled(within_range(textureLoad(radiance, texel, 0).rgb), sh_cosine_lobe(n));
-    let light_at = 13u * index;
+    let light_at = LIGHT_SUM_WORDS * index;
     add_light(light_at, leaving.r);
     add_light(light_at + 4u, leaving.g);
     add_light(light_at + 8u, leaving.b);

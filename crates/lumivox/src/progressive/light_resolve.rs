@@ -5,7 +5,7 @@ use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{GRID, PACK, VIEW, linear_groups};
 
-use super::{DirectLight, ViewInput};
+use super::{DirectLight, LIGHT_SUM_WORDS, ViewInput};
 
 pub(super) const SHADER: Shader = Shader {
     name: "progressive/light_resolve",
@@ -27,7 +27,7 @@ pub(super) struct LightResolve(ComputePass);
 impl LightResolve {
     pub(super) fn new(gpu: &Gpu, replace: Replace) -> Self {
         let keep = if replace == Replace::Yes { 0.0 } else { 1.0 };
-        Self(ComputePass::new(gpu, &SHADER, &[("KEEP", keep)]))
+        Self(ComputePass::new(gpu, &SHADER, &[("KEEP", keep), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)]))
     }
 
     pub(super) fn record(

@@ -7,6 +7,7 @@
 
 // 1 adds, 0 replaces.
 override KEEP: f32;
+override LIGHT_SUM_WORDS: u32;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
@@ -14,7 +15,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if index >= grid.cell_count {
         return;
     }
-    let at = 13u * index;
+    let at = LIGHT_SUM_WORDS * index;
     let count = f32(light_sums[at + 12u]);
     if count == 0.0 {
         return;

@@ -5,6 +5,7 @@ use crate::volume::VolumeBuffer;
 use crate::wgsl::{GRID, PACK, VIEW, linear_groups};
 
 use super::ViewInput;
+use super::injection::ATTRIBUTE_SUM_WORDS;
 
 pub(super) const SHADER: Shader =
     Shader { name: "progressive/resolve", parts: &[GRID, VIEW, PACK, include_str!("resolve.wgsl")] };
@@ -14,7 +15,7 @@ pub(super) struct Resolve(ComputePass);
 
 impl Resolve {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+        Self(ComputePass::new(gpu, &SHADER, &[("ATTRIBUTE_SUM_WORDS", ATTRIBUTE_SUM_WORDS as f64)]))
     }
 
     pub(super) fn record(

@@ -7,6 +7,8 @@
 @group(0) @binding(4) var<storage, read_write> emission_out: array<vec2u>;
 @group(0) @binding(5) var<uniform> view: ViewUniform;
 
+override ATTRIBUTE_SUM_WORDS: u32;
+
 fn mean(at: u32, count: f32, steps: f32) -> vec3f {
     let sum = vec3i(attribute_sums[at], attribute_sums[at + 1u], attribute_sums[at + 2u]);
     return vec3f(sum) / (count * steps);
@@ -18,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if index >= grid.cell_count {
         return;
     }
-    let at = 10u * index;
+    let at = ATTRIBUTE_SUM_WORDS * index;
     let count = f32(attribute_sums[at + 9u]);
     if count == 0.0 {
         return;
