@@ -1,0 +1,57 @@
+//! The program `lumivox` as its users meet it: wrong arguments and broken files end in one clear sentence, and the
+//! commands write what they promise.
+//!
+//! Without a graphics adapter the tests that need one are reported as ignored, with that reason in their name; with
+//! `LUMIVOX_REQUIRE_GPU=1` that fails instead.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod arguments;
+mod files;
+mod others;
+mod pictures;
+mod support;
+
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use lumivox::gpu::Gpu;
+
+type Check = fn() -> Result<(), Failed>;
+
+const ANYWHERE: &[(&str, Check)] = &[
+    ("no arguments show the usage", arguments::no_arguments),
+    ("wrong arguments are named", arguments::wrong_arguments),
+    ("wrong outputs are named before anything is rendered", arguments::wrong_outputs),
+    ("files that are no scenes are named", files::broken_files),
+    ("files cut off anywhere are named", files::cut_files),
+    ("help and version succeed", arguments::help),
+];
+
+const WITH_GPU: &[(&str, Check)] = &[
+    ("unknown adapters are named", arguments::unknown_adapter),
+    ("grids that cannot be are refused", arguments::bad_grids),
+    ("outputs that cannot be written are named", files::unwritable_outputs),
+    ("a picture and its statistics", pictures::picture_and_stats),
+    ("an EXR is linear and upright", pictures::exr),
+    ("a series has a file per frame", pictures::series),
+    ("every layer", pictures::layers),
+    ("every voxelizer, with and without indirect light", pictures::methods),
+    ("a demo writes all it promises", others::demo),
+    ("info tells adapters and limits", others::info),
+];
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let required = std::env::var("LUMIVOX_REQUIRE_GPU").is_ok_and(|v| v == "1");
+    let has_gpu = !pollster::block_on(Gpu::adapters()).is_empty();
+    let mut trials: Vec<Trial> = ANYWHERE.iter().map(|&(name, check)| Trial::test(name, check)).collect();
+    trials.extend(WITH_GPU.iter().map(|&(name, check)| match (has_gpu, required) {
+        (true, _) => Trial::test(name, check),
+        (false, true) => Trial::test(name, || Err("no graphics adapter found".into())),
+        (false, false) => {
+            Trial::test(format!("{name} (no graphics adapter)"), || Ok(())).with_ignored_flag(true)
+        }
+    }));
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
