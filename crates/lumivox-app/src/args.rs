@@ -63,16 +63,11 @@ pub(crate) struct DemoArgs {
     pub(crate) gpu: GpuArgs,
 }
 
+/// What is looked at, from where, and how it is lit: the same for every command that takes a picture of a scene.
 #[derive(Debug, Args)]
-pub(crate) struct RenderArgs {
+pub(crate) struct ShotArgs {
     /// A scene file (.glb .gltf .obj .ply .stl .off .scene.json) or builtin:NAME, builtin:NAME:DETAIL.
     pub(crate) scene: String,
-    /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png.
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
-    /// Picture size.
-    #[arg(long, default_value = "960x540")]
-    pub(crate) size: Size,
     /// x,y,z:x,y,z or x,y,z:x,y,z:degrees: eye, target and vertical field of view. Without it the scene's first camera, else one that
     /// shows the most.
     #[arg(long, allow_hyphen_values = true, value_name = "EYE:TARGET[:FOV]")]
@@ -80,15 +75,9 @@ pub(crate) struct RenderArgs {
     /// x,y,z:r,g,b or x,y,z:w: a sun instead of the scene's lights: the way its light travels, and its irradiance in W/m2.
     #[arg(long, allow_hyphen_values = true, value_name = "DIRECTION:IRRADIANCE")]
     pub(crate) sun: Option<SunArg>,
-    /// Render a series of frames instead of a settled still; scenes with a camera walk follow it.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(crate) frames: Option<u32>,
     /// Time of the (first) picture in seconds, for scenes that move.
     #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
     pub(crate) time: f32,
-    /// Exposure in stops, for PNG; auto makes the (first) picture's lit parts middle grey on average.
-    #[arg(long, allow_hyphen_values = true, default_value = "auto", value_name = "EV|auto")]
-    pub(crate) exposure: ExposureArg,
     /// Cells along the longest side of the scene.
     #[arg(long, default_value_t = 64)]
     pub(crate) grid: u32,
@@ -98,20 +87,38 @@ pub(crate) struct RenderArgs {
     /// Indirect light.
     #[arg(long, value_enum, default_value = "propagation")]
     pub(crate) gi: GiArg,
-    /// What the picture shows.
-    #[arg(long, value_enum, default_value = "final")]
-    pub(crate) layer: LayerArg,
     /// Propagation steps per frame. A still goes on until its light has settled.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub(crate) iterations: u32,
     /// How much of its direction light keeps per step through empty cells, 0 to 1.
     #[arg(long, default_value_t = lumivox::light::LightSettings::default().persistence)]
     pub(crate) persistence: f32,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) shot: ShotArgs,
+    /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Picture size.
+    #[arg(long, default_value = "960x540")]
+    pub(crate) size: Size,
+    /// Render a series of frames instead of a settled still; scenes with a camera walk follow it.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) frames: Option<u32>,
+    /// Exposure in stops, for PNG; auto makes the (first) picture's lit parts middle grey on average.
+    #[arg(long, allow_hyphen_values = true, default_value = "auto", value_name = "EV|auto")]
+    pub(crate) exposure: ExposureArg,
+    /// What the picture shows.
+    #[arg(long, value_enum, default_value = "final")]
+    pub(crate) layer: LayerArg,
     /// Write what was done as one JSON object.
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) gpu: GpuArgs,
 }
 
 #[derive(Debug, Args)]

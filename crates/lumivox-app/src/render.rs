@@ -6,10 +6,10 @@ use anyhow::{Context, Result, bail};
 use glam::{UVec2, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use lumivox::light::LightSettings;
-use lumivox_render::{GiMethod, Renderer, Settings, VoxelSource, tone};
+use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Light, Scene};
 
-use crate::args::{ExposureArg, LayerArg, RenderArgs};
+use crate::args::{ExposureArg, RenderArgs, ShotArgs, Size};
 use crate::output::{self, Picture};
 use crate::stats::{self, AdapterStats, RenderStats, StageStats};
 use crate::{clock, framing, info};
@@ -28,39 +28,33 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if args.frames.is_some() {
         output::numbered(&args.output, 0)?;
     }
-    if !(0.0..=1.0).contains(&args.persistence) {
-        bail!("--persistence must be 0 to 1");
-    }
-    if !args.time.is_finite() {
-        bail!("--time must be a finite number of seconds");
-    }
+    check(&args.shot)?;
     if args.stats.as_ref() == Some(&args.output) {
         bail!("{}: the picture and its statistics cannot be one file", args.output.display());
     }
     output::prepare_folder(&args.output)?;
     args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
     let start = clock::millis();
-    let mut scene = lumivox_scene::load(&args.scene)?;
+    let scene = load(&args.shot)?;
     let load_ms = clock::millis() - start;
-    stats::warn_of_import(&scene);
-    if scene.triangle_count() == 0 {
-        bail!("{}: there are no triangles to render", args.scene);
-    }
-    light_scene(&mut scene, args);
-    let cameras = Cameras::new(&scene, args)?;
+    let cameras = Cameras::new(&scene, &args.shot, args.frames.is_some())?;
 
-    let gpu = info::open_gpu(&args.gpu)?;
-    let settings = settings(args);
+    let gpu = info::open_gpu(&args.shot.gpu)?;
+    let settings = settings(&args.shot, args.size, args.layer.into(), args.frames.is_none());
     let mut renderer = Renderer::new(&gpu, &scene, settings)?;
     let mut work = Work::default();
     match args.frames {
         Some(count) => series(&mut renderer, args, &cameras, count, &mut work)?,
-        None => still(&mut renderer, args, &cameras.at(args.time), &mut work)?,
+        None => {
+            let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
+            still(&mut renderer, args.shot.iterations, &cameras.at(args.shot.time), clock, &mut work)?;
+            write_frame(&renderer, args, &args.output, &mut work)?;
+        }
     }
     if let Some(path) = &args.stats {
         let grid = renderer.volume().grid();
         let stats = RenderStats {
-            scene: args.scene.clone(),
+            scene: args.shot.scene.clone(),
             adapter: AdapterStats::new(&gpu),
             size: [args.size.0, args.size.1],
             triangles: scene.triangle_count(),
@@ -86,59 +80,86 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
 
 /// What was done so far.
 #[derive(Debug, Default)]
-struct Work {
-    frames: u32,
-    iterations: u32,
-    settled: bool,
-    exposure_ev: Option<f32>,
-    stages: Vec<StageStats>,
+pub(crate) struct Work {
+    pub(crate) frames: u32,
+    pub(crate) iterations: u32,
+    pub(crate) settled: bool,
+    pub(crate) exposure_ev: Option<f32>,
+    pub(crate) stages: Vec<StageStats>,
 }
 
-fn settings(args: &RenderArgs) -> Settings {
-    let still = args.frames.is_none();
-    let source = match args.voxelizer {
+/// Refuses numbers that no scene can be rendered with.
+pub(crate) fn check(shot: &ShotArgs) -> Result<()> {
+    if !(0.0..=1.0).contains(&shot.persistence) {
+        bail!("--persistence must be 0 to 1");
+    }
+    if !shot.time.is_finite() {
+        bail!("--time must be a finite number of seconds");
+    }
+    Ok(())
+}
+
+/// The scene with its lights, and a word about what was left out of it.
+pub(crate) fn load(shot: &ShotArgs) -> Result<Scene> {
+    let mut scene = lumivox_scene::load(&shot.scene)?;
+    stats::warn_of_import(&scene);
+    if scene.triangle_count() == 0 {
+        bail!("{}: there are no triangles to render", shot.scene);
+    }
+    light_scene(&mut scene, shot);
+    Ok(scene)
+}
+
+pub(crate) fn settings(shot: &ShotArgs, size: Size, layer: Layer, still: bool) -> Settings {
+    let source = match shot.voxelizer {
         Some(voxelizer) => voxelizer.into(),
         None if still => VoxelSource::Triangles,
         None => VoxelSource::Progressive,
     };
     Settings {
-        size: UVec2::new(args.size.0, args.size.1),
-        grid: args.grid,
+        size: UVec2::new(size.0, size.1),
+        grid: shot.grid,
         voxels: source,
-        gi: args.gi.into(),
+        gi: shot.gi.into(),
         // A still starts with none, to learn how much light there is to settle.
-        iterations: if still { 0 } else { args.iterations },
-        light: LightSettings { persistence: args.persistence, ..LightSettings::default() },
-        layer: args.layer.into(),
+        iterations: if still { 0 } else { shot.iterations },
+        light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
+        layer,
         rsm_size: 2048,
         ..Settings::default()
     }
 }
 
-/// One frame, then propagation until its light has settled.
-fn still(renderer: &mut Renderer, args: &RenderArgs, camera: &Camera, work: &mut Work) -> Result<()> {
-    let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
+/// One frame, then propagation, `iterations` steps at a time, until its light has settled.
+pub(crate) fn still(
+    renderer: &mut Renderer,
+    iterations: u32,
+    camera: &Camera,
+    clock: Option<fn() -> f64>,
+    work: &mut Work,
+) -> Result<()> {
     renderer.set_camera(camera);
     let mut frame = renderer.frame(clock)?;
     stats::add_stages(&mut work.stages, &frame.stages);
     work.frames = 1;
     work.settled = true;
-    if renderer.settings().gi != GiMethod::Off && args.layer != LayerArg::Voxels && args.iterations > 0 {
+    let Settings { gi, layer, .. } = *renderer.settings();
+    if gi != GiMethod::Off && layer != Layer::Voxels && iterations > 0 {
         let sent = renderer.flux_under_way()?;
         let mut left = sent;
         let bar = progress(100, "light settles");
         while left > SETTLED * sent && work.iterations < MAX_STEPS {
-            frame = renderer.settle(args.iterations, clock)?;
+            frame = renderer.settle(iterations, clock)?;
             stats::add_stages(&mut work.stages, &frame.stages);
             work.frames += 1;
-            work.iterations += args.iterations;
+            work.iterations += iterations;
             left = renderer.flux_under_way()?;
             bar.set_position((100.0 * ((left / sent).ln() / SETTLED.ln()).clamp(0.0, 1.0)) as u64);
         }
         bar.finish_and_clear();
         work.settled = left <= SETTLED * sent;
     }
-    write_frame(renderer, args, &args.output, work)
+    Ok(())
 }
 
 fn series(
@@ -151,11 +172,11 @@ fn series(
     let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
     let bar = progress(u64::from(count), "frames");
     for n in 0..count {
-        renderer.set_camera(&cameras.at(args.time + FRAME_SECONDS * n as f32));
+        renderer.set_camera(&cameras.at(args.shot.time + FRAME_SECONDS * n as f32));
         let frame = renderer.frame(clock)?;
         stats::add_stages(&mut work.stages, &frame.stages);
         work.frames += 1;
-        work.iterations += args.iterations;
+        work.iterations += args.shot.iterations;
         write_frame(renderer, args, &output::numbered(&args.output, n)?, work)?;
         bar.inc(1);
     }
@@ -185,8 +206,8 @@ pub(crate) fn progress(length: u64, what: &'static str) -> ProgressBar {
 }
 
 /// The lights of the command line, else the scene's, else a sun and a grey sky.
-fn light_scene(scene: &mut Scene, args: &RenderArgs) {
-    if let Some(sun) = args.sun {
+fn light_scene(scene: &mut Scene, shot: &ShotArgs) {
+    if let Some(sun) = shot.sun {
         scene.lights = vec![Light::Directional { direction: sun.direction, irradiance: sun.irradiance }];
         scene.sky = Vec3::ZERO;
         return;
@@ -201,14 +222,14 @@ fn light_scene(scene: &mut Scene, args: &RenderArgs) {
 }
 
 /// Where the camera is at a time.
-struct Cameras {
+pub(crate) struct Cameras {
     fixed: Option<Camera>,
 }
 
 impl Cameras {
-    fn new(scene: &Scene, args: &RenderArgs) -> Result<Self> {
-        let walks = args.scene.starts_with("builtin:atrium") && (args.frames.is_some() || args.time != 0.0);
-        if let Some(c) = args.camera {
+    pub(crate) fn new(scene: &Scene, shot: &ShotArgs, series: bool) -> Result<Self> {
+        let walks = shot.scene.starts_with("builtin:atrium") && (series || shot.time != 0.0);
+        if let Some(c) = shot.camera {
             let camera = Camera {
                 name: "command line".to_owned(),
                 eye: c.eye,
@@ -225,7 +246,7 @@ impl Cameras {
         Ok(Self { fixed: Some(camera.context("the scene has no triangles to frame")?) })
     }
 
-    fn at(&self, seconds: f32) -> Camera {
+    pub(crate) fn at(&self, seconds: f32) -> Camera {
         let walk = || lumivox_scene::builtin::atrium_camera_path((seconds / WALK_SECONDS).clamp(0.0, 1.0));
         self.fixed.clone().unwrap_or_else(walk)
     }
