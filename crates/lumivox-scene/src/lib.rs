@@ -5,10 +5,12 @@
 //! - [`load_bytes`] reads untrusted bytes within stated [`Limits`].
 //! - Every problem of a file is a [`SceneError`] that names the file and the reason; what was merely left out is
 //!   counted in [`Scene::report`].
+//! - [`Scene::clips`] and [`Scene::pose`] say what moves and where everything stands at one moment.
 //!
 //! Units and axes are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709. Lights are radiometric:
 //! W/sr for point and spot, W/m2 for directional, W/(m2 sr) for emission, rectangles and the sky.
 
+pub mod animation;
 pub mod builtin;
 mod error;
 mod import;
@@ -17,6 +19,7 @@ mod mesh;
 mod report;
 mod scene;
 
+pub use animation::{Animation, Clip, DeformedMesh, Interpolation, NodeId, Pose, Track, Transform};
 pub use error::SceneError;
 pub use import::{EXTENSIONS, load, load_bytes, load_with};
 pub use limits::Limits;

@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3, Vec4};
 use lumivox_core::Bounds;
 
-use crate::{ImportReport, Mesh};
+use crate::{Animation, ImportReport, Mesh};
 
 /// Everything that is rendered. Indices between the lists are always in range.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Radiance of a constant sky in W/(m2 sr); zero if there is none.
     pub sky: Vec3,
+    /// What moves, and how.
+    pub animation: Animation,
     /// What was left out on the way in.
     pub report: ImportReport,
 }
