@@ -57,7 +57,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         size: UVec2::new(args.size.0, args.size.1),
         grid: args.grid,
         iterations: args.iterations,
-        rsm_size: 1024,
+        rsm_size: 512,
         points: 400,
         ..Settings::default()
     };

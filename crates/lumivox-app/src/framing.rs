@@ -15,7 +15,7 @@ const RAYS: [u32; 2] = [64, 36];
 pub(crate) fn best_camera(scene: &Scene) -> Option<Camera> {
     let bounds = scene.bounds();
     let grid = Grid::fit_with_margin(&bounds, GRID).ok()?;
-    let cells = lumivox_render::triangles::voxelize(scene, &grid).normal;
+    let cells = lumivox_render::triangles::voxelize(&[scene], &grid).normal;
     let scored = candidates(&bounds).into_iter().map(|c| (score(&c, &grid, &cells), c));
     scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, camera)| camera)
 }

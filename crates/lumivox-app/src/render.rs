@@ -61,7 +61,6 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             meshes: scene.meshes.len(),
             textures: scene.textures.len(),
             lights: scene.lights.len(),
-            ignored_lights: stats::ignored_lights(&scene),
             grid: grid.dims.to_array(),
             cell_size_m: grid.cell_size,
             frames: work.frames,
@@ -125,7 +124,9 @@ pub(crate) fn settings(shot: &ShotArgs, size: Size, layer: Layer, still: bool) -
         iterations: if still { 0 } else { shot.iterations },
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
         layer,
-        rsm_size: 2048,
+        shadow_size: if still { 4096 } else { 2048 },
+        area_samples: if still { 256 } else { 64 },
+        area_maps: if still { 64 } else { 32 },
         ..Settings::default()
     }
 }

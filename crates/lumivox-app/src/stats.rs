@@ -40,7 +40,6 @@ pub(crate) struct RenderStats {
     pub(crate) meshes: usize,
     pub(crate) textures: usize,
     pub(crate) lights: usize,
-    pub(crate) ignored_lights: usize,
     pub(crate) grid: [u32; 3],
     pub(crate) cell_size_m: f32,
     pub(crate) frames: u32,
@@ -76,18 +75,9 @@ pub(crate) fn write(path: &Path, stats: &impl Serialize) -> Result<()> {
     crate::output::write_text(path, &(serde_json::to_string_pretty(stats)? + "\n"))
 }
 
-/// Lights that the renderer has no way to draw: rect lights.
-pub(crate) fn ignored_lights(scene: &Scene) -> usize {
-    scene.lights.iter().filter(|l| lumivox_render::lights::light_uniform(l).is_none()).count()
-}
-
 /// Tells what was left out on import.
 pub(crate) fn warn_of_import(scene: &Scene) {
     let report = &scene.report;
-    let ignored = ignored_lights(scene);
-    if ignored > 0 {
-        tracing::warn!("{ignored} rect lights are not rendered yet and were ignored");
-    }
     for warning in &report.warnings {
         tracing::warn!("{warning}");
     }

@@ -1,13 +1,19 @@
-//! Direct light: one full-screen pass per view of a light adds what reaches each pixel through its shadow map.
+//! Direct light: one full-screen pass per batch of shadow views adds what reaches each pixel through their maps.
 //!
 //! The shadow test looks up 3 x 3 bilinear comparisons half a texel apart, which reach 1.5 texels. The point is moved 1.6
 //! shadow texels along its normal first: just beyond that reach, a surface cannot shadow itself, and no depth bias is needed.
+//! Samples of area lights take one comparison, which reaches one texel, and 1.1 texels of distance: their number
+//! blurs the edges.
+//!
+//! Radiance is summed in 32-bit floats, from one texture into another: core WebGPU cannot blend these, and half floats would
+//! round away the samples of many batches.
 
-use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Sampler, Shader, Uniform};
+use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Sampler, Shader, Texture};
 use lumivox::{wgpu, wgsl};
 
-use crate::lights::{LIGHTS, LightUniform};
-use crate::surface::{HDR_FORMAT, SurfaceView};
+use crate::lights::LIGHTS;
+use crate::renderer::{ShadowBatch, ShadowedLights};
+use crate::surface::{RADIANCE_FORMAT, SurfaceView};
 
 /// The shader.
 pub const SHADER: Shader = Shader {
@@ -35,29 +41,35 @@ impl DirectPass {
                 ..Default::default()
             },
         );
-        Self { pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, true), comparison }
+        Self { pass: FullscreenPass::new(gpu, &SHADER, RADIANCE_FORMAT, false), comparison }
     }
 
-    /// Adds what a light reflects off the camera's surfaces to the camera's radiance, within one of the light's views.
+    /// Adds what a batch of views lets the camera's surfaces reflect to the camera's radiance. `spare` is a texture like the
+    /// camera's radiance, with which it changes places.
     pub fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        light: &Uniform<LightUniform>,
-        shadow: &SurfaceView,
+        lights: &ShadowedLights,
+        batch: &ShadowBatch,
         camera: &mut SurfaceView,
+        spare: &mut Texture,
     ) -> Result<(), GpuError> {
         let uniform = &camera.input.uniform;
         let gbuffer = &mut camera.input.textures;
         let bindings = Bindings::new()
             .read("view", uniform)
-            .read("light", light)
-            .read("shadow_view", &shadow.input.uniform)
+            .read("batch", &batch.uniform)
+            .read("lights", &lights.lights)
+            .read("shadow_views", &lights.views)
             .read("depth", &gbuffer.depth)
             .read("normal", &gbuffer.normal)
             .read("albedo", &gbuffer.albedo)
-            .read("shadow_depth", &shadow.input.textures.depth)
-            .read("shadow_comparison", &self.comparison);
-        self.pass.record(gpu, encoder, &bindings, &mut gbuffer.radiance, true)
+            .read("shadow_atlas", &lights.atlas)
+            .read("shadow_comparison", &self.comparison)
+            .read("radiance_before", &gbuffer.radiance);
+        self.pass.record(gpu, encoder, &bindings, spare, false)?;
+        std::mem::swap(&mut gbuffer.radiance, spare);
+        Ok(())
     }
 }

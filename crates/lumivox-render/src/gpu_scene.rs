@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 use lumivox::gpu::{Bindings, Buffer, Gpu, GpuError, Program, Sampler, Texture, TextureOptions, Uniform};
-use lumivox_scene::{AlphaMode, Material, Scene, Texture as Image, Wrap};
+use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Texture as Image, Wrap};
 
 /// A vertex as the surface shaders read it: 36 bytes.
 #[repr(C)]
@@ -44,6 +44,10 @@ pub struct Draw {
     pub instance: u32,
     /// Index of the material.
     pub material: usize,
+    /// Whether the material may have holes.
+    pub is_masked: bool,
+    /// Whether the camera sees it; lights always do.
+    pub in_camera: bool,
 }
 
 /// What is drawn.
@@ -57,6 +61,7 @@ pub struct GpuScene {
     pub instances: Buffer,
     /// Sorted by material.
     pub draws: Vec<Draw>,
+    first_panel: u64,
     materials: Vec<GpuMaterial>,
 }
 
@@ -76,57 +81,47 @@ pub struct MaterialTextures {
 }
 
 impl GpuScene {
-    /// Uploads a scene. Textures get a full chain of mip levels, averaged in linear light.
-    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<(Self, MaterialTextures), GpuError> {
-        let mut vertices = Vec::new();
-        let mut indices: Vec<u32> = Vec::new();
-        let mut ranges = Vec::new();
-        for mesh in &scene.meshes {
-            ranges.push((
-                (indices.len() as u32, (indices.len() + 3 * mesh.indices.len()) as u32),
-                vertices.len() as i32,
-            ));
-            indices.extend(mesh.indices.iter().flatten());
-            vertices.extend((0..mesh.positions.len()).map(|i| Vertex {
-                position: mesh.positions[i],
-                normal: mesh.normals[i],
-                uv: mesh.uvs[i],
-                color: mesh.colors[i].map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8),
-            }));
-        }
-        let mut draws: Vec<Draw> = scene
-            .instances
-            .iter()
-            .enumerate()
-            .map(|(n, instance)| Draw {
-                indices: ranges[instance.mesh].0,
-                base_vertex: ranges[instance.mesh].1,
-                instance: n as u32,
-                material: scene.meshes[instance.mesh].material,
-            })
-            .collect();
-        draws.sort_by_key(|d| d.material);
-        let matrices: Vec<Mat4> = scene.instances.iter().map(|i| i.world_from_local).collect();
+    /// Uploads a scene, and `panels`, a second one that only lights see. Textures get a full chain of mip levels, averaged in
+    /// linear light.
+    pub fn new(gpu: &Gpu, scene: &Scene, panels: &Scene) -> Result<(Self, MaterialTextures), GpuError> {
+        let mut geometry = Geometry::default();
+        geometry.append(scene, true);
+        geometry.append(panels, false);
+        geometry.draws.sort_by_key(|d| d.material);
 
         let mut textures = vec![upload_texture(gpu, &white())?];
         for image in &scene.textures {
             textures.push(upload_texture(gpu, image)?);
         }
         let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap)).collect();
-        let materials = scene.materials.iter().map(|m| GpuMaterial::new(gpu, m, scene)).collect();
+        let materials = scene.materials.iter().chain(&panels.materials);
+        let materials = materials.map(|m| GpuMaterial::new(gpu, m, scene)).collect();
         let gpu_scene = Self {
             vertices: filled(
                 gpu,
                 "scene/vertices",
                 wgpu::BufferUsages::VERTEX,
-                bytemuck::cast_slice(&vertices),
+                bytemuck::cast_slice(&geometry.vertices),
             ),
-            indices: filled(gpu, "scene/indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
-            instances: Buffer::storage_with(gpu, "scene/instances", &matrices)?,
-            draws,
+            indices: filled(
+                gpu,
+                "scene/indices",
+                wgpu::BufferUsages::INDEX,
+                bytemuck::cast_slice(&geometry.indices),
+            ),
+            instances: Buffer::storage_with(gpu, "scene/instances", &geometry.matrices)?,
+            draws: geometry.draws,
+            first_panel: scene.instances.len() as u64,
             materials,
         };
         Ok((gpu_scene, MaterialTextures { textures, samplers }))
+    }
+
+    /// Moves what only lights see: as many instances as before.
+    pub fn set_panels(&self, gpu: &Gpu, panels: &Scene) {
+        let matrices: Vec<Mat4> = panels.instances.iter().map(|i| i.world_from_local).collect();
+        let offset = self.first_panel * size_of::<Mat4>() as u64;
+        gpu.queue.write_buffer(&self.instances.raw, offset, bytemuck::cast_slice(&matrices));
     }
 
     /// The bind group of every material for group 1 of a surface program.
@@ -145,6 +140,50 @@ impl GpuScene {
             program.bind(gpu, 1, &bindings)
         };
         self.materials.iter().map(bind).collect()
+    }
+}
+
+/// What goes into the buffers.
+#[derive(Default)]
+struct Geometry {
+    vertices: Vec<Vertex>,
+    indices: Vec<u32>,
+    matrices: Vec<Mat4>,
+    draws: Vec<Draw>,
+    material_count: usize,
+}
+
+impl Geometry {
+    fn append(&mut self, scene: &Scene, in_camera: bool) {
+        let mut ranges = Vec::new();
+        for mesh in &scene.meshes {
+            let first = self.indices.len() as u32;
+            self.indices.extend(mesh.indices.iter().flatten());
+            ranges.push(((first, self.indices.len() as u32), self.vertices.len() as i32));
+            self.vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
+        }
+        for instance in &scene.instances {
+            let material = scene.meshes[instance.mesh].material;
+            self.draws.push(Draw {
+                indices: ranges[instance.mesh].0,
+                base_vertex: ranges[instance.mesh].1,
+                instance: self.matrices.len() as u32,
+                material: self.material_count + material,
+                is_masked: scene.materials[material].alpha != AlphaMode::Opaque,
+                in_camera,
+            });
+            self.matrices.push(instance.world_from_local);
+        }
+        self.material_count += scene.materials.len();
+    }
+}
+
+fn vertex(mesh: &Mesh, i: usize) -> Vertex {
+    Vertex {
+        position: mesh.positions[i],
+        normal: mesh.normals[i],
+        uv: mesh.uvs[i],
+        color: mesh.colors[i].map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8),
     }
 }
 

@@ -8,6 +8,7 @@
 //! | [`gpu_scene`] | a scene's meshes, materials and textures on the GPU |
 //! | [`surface`] | rasterizes surfaces into G-buffers and reflective shadow maps |
 //! | [`lights`] | a light's views, and what it sends where |
+//! | [`shadow`] | depth from a light's view |
 //! | [`direct`] | shadowed direct light, light by light |
 //! | [`triangles`] | a volume from a scene's triangles, on the CPU |
 //! | [`composite`] | direct + indirect + emission, or one layer alone |
@@ -23,6 +24,7 @@ pub mod direct;
 pub mod gpu_scene;
 pub mod lights;
 pub mod renderer;
+pub mod shadow;
 pub mod surface;
 pub mod tone;
 pub mod triangles;
@@ -33,7 +35,15 @@ pub use renderer::{FrameStats, GiMethod, Renderer, RendererError, Settings, Voxe
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<lumivox::gpu::Shader> {
-    vec![surface::GBUFFER_SHADER, surface::RSM_SHADER, direct::SHADER, composite::SHADER, voxel_view::SHADER]
+    vec![
+        surface::GBUFFER_SHADER,
+        surface::RSM_SHADER,
+        shadow::OPAQUE_SHADER,
+        shadow::MASKED_SHADER,
+        direct::SHADER,
+        composite::SHADER,
+        voxel_view::SHADER,
+    ]
 }
 
 /// Every struct of this crate that has a twin in WGSL: name, size and fields.
@@ -44,6 +54,8 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [lumivox::gpu::Field]
     vec![
         entry::<gpu_scene::MaterialUniform>(),
         entry::<lights::LightUniform>(),
+        entry::<renderer::ShadowViewUniform>(),
+        entry::<renderer::ShadowBatchUniform>(),
         entry::<composite::CompositeUniform>(),
         entry::<voxel_view::VoxelViewUniform>(),
     ]

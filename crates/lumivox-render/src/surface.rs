@@ -5,7 +5,7 @@
 //! | normal | `Rgba16Float` | facing the camera | facing the light |
 //! | albedo | `Rgba8UnormSrgb` | yes | yes |
 //! | emission | `Rgba16Float` | yes | yes |
-//! | radiance | `Rgba16Float` | by [`crate::direct`] | what the surface reflects of this light |
+//! | radiance | `Rgba32Float`, `Rgba16Float` | by [`crate::direct`] | what the surface reflects of this light |
 //! | depth | `Depth32Float` | yes | yes; also the shadow map |
 //!
 //! The camera's depth is reversed (1 near, 0 far), which keeps a tenth of a millimetre over any distance; shadow maps have the
@@ -21,7 +21,7 @@ use lumivox::wgsl;
 use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_ATTRIBUTES, Vertex};
 use crate::lights::{LIGHTS, LightUniform};
 
-const SURFACE: &str = include_str!("surface.wgsl");
+pub(crate) const SURFACE: &str = include_str!("surface.wgsl");
 
 /// The G-buffer's shader.
 pub const GBUFFER_SHADER: Shader =
@@ -34,8 +34,28 @@ pub const RSM_SHADER: Shader =
 pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 /// Format of normals, emission and radiance.
 pub const HDR_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// Format of the camera's radiance, a sum over hundreds of samples of area lights.
+pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 /// Format of albedo: eight bits spaced as the eye sees.
 pub const ALBEDO_FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+
+/// Targets of `size` texels; `radiance` is the format of the light they hold.
+pub fn targets(
+    gpu: &Gpu,
+    label: &str,
+    size: UVec2,
+    radiance: TextureFormat,
+) -> Result<ViewTextures, GpuError> {
+    let target =
+        |name: &str, format| Texture::target(gpu, &format!("{label}/{name}"), size.to_array(), format);
+    Ok(ViewTextures {
+        depth: target("depth", DEPTH_FORMAT)?,
+        normal: target("normal", HDR_FORMAT)?,
+        albedo: target("albedo", ALBEDO_FORMAT)?,
+        emission: target("emission", HDR_FORMAT)?,
+        radiance: target("radiance", radiance)?,
+    })
+}
 
 /// A view with its targets.
 #[derive(Debug)]
@@ -47,18 +67,9 @@ pub struct SurfaceView {
 }
 
 impl SurfaceView {
-    /// Targets of `size` texels, injected at `points` points.
-    pub fn new(gpu: &Gpu, label: &str, size: UVec2, points: UVec2, view: View) -> Result<Self, GpuError> {
-        let target =
-            |name: &str, format| Texture::target(gpu, &format!("{label}/{name}"), size.to_array(), format);
-        let textures = ViewTextures {
-            depth: target("depth", DEPTH_FORMAT)?,
-            normal: target("normal", HDR_FORMAT)?,
-            albedo: target("albedo", ALBEDO_FORMAT)?,
-            emission: target("emission", HDR_FORMAT)?,
-            radiance: target("radiance", HDR_FORMAT)?,
-        };
-        Ok(Self { input: ViewInput::new(gpu, label, textures, points), view })
+    /// A view into targets that it may share with others, injected at `points` points.
+    pub fn new(gpu: &Gpu, label: &str, textures: ViewTextures, points: UVec2, view: View) -> Self {
+        Self { input: ViewInput::new(gpu, label, textures, points), view }
     }
 
     /// Writes where the view stands. Once per frame, before recording.
@@ -192,7 +203,7 @@ impl SurfacePass {
         pass.set_vertex_buffer(0, scene.vertices.raw.slice(..));
         pass.set_index_buffer(scene.indices.raw.slice(..), wgpu::IndexFormat::Uint32);
         let mut material = usize::MAX;
-        for draw in &scene.draws {
+        for draw in scene.draws.iter().filter(|d| d.in_camera || self.is_rsm) {
             if draw.material != material {
                 material = draw.material;
                 pass.set_bind_group(1, &self.materials[material], &[]);

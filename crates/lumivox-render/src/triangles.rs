@@ -26,15 +26,15 @@ pub struct TriangleVolume {
     pub emission: Vec<Vec4>,
 }
 
-/// Voxelizes every instance of the scene.
-pub fn voxelize(scene: &Scene, grid: &Grid) -> TriangleVolume {
+/// Voxelizes every instance of the scenes.
+pub fn voxelize(scenes: &[&Scene], grid: &Grid) -> TriangleVolume {
     let cells = grid.cell_count() as usize;
     let mut volume = TriangleVolume {
         normal: vec![Vec4::ZERO; cells],
         albedo: vec![Vec4::ZERO; cells],
         emission: vec![Vec4::ZERO; cells],
     };
-    for instance in &scene.instances {
+    for (scene, instance) in scenes.iter().flat_map(|s| s.instances.iter().map(move |i| (*s, i))) {
         let mesh = &scene.meshes[instance.mesh];
         let surface = Surface { scene, mesh, material: &scene.materials[mesh.material] };
         let turn = Mat3::from_mat4(instance.world_from_local);

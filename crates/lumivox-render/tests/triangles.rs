@@ -61,7 +61,7 @@ fn marked_cells_overlap_the_surface_and_few_are_missed() {
     {
         for resolution in [9, 24] {
             let grid = Grid::fit_with_margin(&scene.bounds(), resolution).unwrap();
-            let volume = voxelize(&scene, &grid);
+            let volume = voxelize(&[&scene], &grid);
             let (positions, indices) = soup(&scene);
             let triangles = TriangleView::new(&positions, &indices).unwrap();
             // Samples are moved a little behind their surface: by so much a cell may be away from it.
@@ -85,7 +85,7 @@ fn a_closed_cube_is_a_hollow_shell_without_holes() {
     for resolution in [7, 16, 31] {
         let scene = cube(1.0);
         let grid = Grid::fit_with_margin(&scene.bounds(), resolution).unwrap();
-        let volume = voxelize(&scene, &grid);
+        let volume = voxelize(&[&scene], &grid);
         let cells = marked(&volume, &grid);
         for &cell in &cells {
             let deepest = grid.center(cell).abs().max_element();
@@ -115,7 +115,7 @@ fn a_closed_cube_is_a_hollow_shell_without_holes() {
 fn normals_are_those_of_the_faces() {
     let scene = cube(1.0);
     let grid = Grid::fit_with_margin(&scene.bounds(), 20).unwrap();
-    let volume = voxelize(&scene, &grid);
+    let volume = voxelize(&[&scene], &grid);
     for cell in marked(&volume, &grid) {
         let p = grid.center(cell);
         let normal = volume.normal[grid.index(cell)].truncate();
@@ -165,7 +165,7 @@ fn textures_are_sampled_where_they_lie() {
         ..Material::default()
     };
     let (scene, grid) = (textured_square(material, &pixels), square_grid());
-    let volume = voxelize(&scene, &grid);
+    let volume = voxelize(&[&scene], &grid);
     let cells = marked(&volume, &grid);
     assert_eq!(cells.len(), 64);
     let linear_188 = ((188.0f32 / 255.0 + 0.055) / 1.055).powf(2.4);
@@ -195,7 +195,7 @@ fn masks_have_holes() {
     {
         let material = Material { base_color_texture: Some(0), alpha, ..Material::default() };
         let (scene, grid) = (textured_square(material, &[hole, leaf, hole, leaf]), square_grid());
-        let cells = marked(&voxelize(&scene, &grid), &grid);
+        let cells = marked(&voxelize(&[&scene], &grid), &grid);
         assert_eq!(cells.len(), solid, "{alpha:?}");
         assert!(solid == 64 || cells.iter().all(|&c| grid.center(c).x > 0.5));
     }
@@ -211,7 +211,7 @@ fn instances_are_placed() {
         Instance { mesh: 0, world_from_local: Mat4::from_translation(Vec3::new(-2.0, 0.0, 0.0)) * stretch },
     ];
     let grid = Grid::fit_with_margin(&scene.bounds(), 40).unwrap();
-    let volume = voxelize(&scene, &grid);
+    let volume = voxelize(&[&scene], &grid);
     for (middle, half) in
         [(Vec3::new(2.0, 0.0, 0.0), Vec3::splat(0.4)), (Vec3::new(-2.0, 0.0, 0.0), Vec3::new(0.4, 0.8, 0.2))]
     {

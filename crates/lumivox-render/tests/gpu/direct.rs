@@ -96,10 +96,10 @@ fn shadow_ray(light: &Light, p: Vec3) -> Ray {
 }
 
 fn check(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>) -> Result<(), Failed> {
-    check_with(gpu, light, shade, small().rsm_size)
+    check_with(gpu, light, shade, small().shadow_size)
 }
 
-fn check_with(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>, rsm_size: u32) -> Result<(), Failed> {
+fn check_with(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>, shadow_size: u32) -> Result<(), Failed> {
     let mut scene = Scene { lights: vec![light], ..Scene::default() };
     let plane = Quad::level(Vec3::ZERO, PLANE_SIDE);
     add(&mut scene, Material::matte("plane", ALBEDO), &[plane]);
@@ -107,7 +107,7 @@ fn check_with(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>, rsm_size: u32
     if let Some(shade) = shade {
         add(&mut scene, Material::matte("shade", Vec3::splat(0.2)), &[shade]);
     }
-    let settings = Settings { layer: Layer::Direct, rsm_size, ..small() };
+    let settings = Settings { layer: Layer::Direct, shadow_size, ..small() };
     let seen = picture(gpu, &scene, &camera(), settings)?;
 
     let (mut lit, mut dark, mut faults) = (0, 0, Vec::new());
@@ -151,11 +151,11 @@ fn check_with(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>, rsm_size: u32
 
 /// The seams between its six views must not show; the coarser its maps, the wider a seam would be.
 fn point_lights(gpu: &Gpu) -> Result<(), Failed> {
-    for (n, rsm_size) in [(0, 1024), (1, 64), (3, 128), (5, 256), (7, 512)] {
+    for (n, shadow_size) in [(0, 1024), (1, 64), (3, 128), (5, 256), (7, 512)] {
         let n = n as f32;
         let position = Vec3::new(0.17 * n - 0.6, 0.35 + 0.07 * n, 0.5 - 0.11 * n);
-        let checked = check_with(gpu, Light::Point { position, intensity: Vec3::ONE }, None, rsm_size);
-        checked.map_err(|e| format!("map of {rsm_size}: {}", e.message().unwrap_or_default()))?;
+        let checked = check_with(gpu, Light::Point { position, intensity: Vec3::ONE }, None, shadow_size);
+        checked.map_err(|e| format!("map of {shadow_size}: {}", e.message().unwrap_or_default()))?;
     }
     Ok(())
 }

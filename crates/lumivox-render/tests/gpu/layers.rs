@@ -114,7 +114,7 @@ fn albedo(gpu: &Gpu) -> Result<(), Failed> {
 }
 
 fn emission(gpu: &Gpu) -> Result<(), Failed> {
-    let mut scene = Scene { sky: Vec3::splat(0.5), ..Scene::default() };
+    let mut scene = Scene::default();
     let radiance = Vec3::new(0.3, 2.0, 17.0);
     let material = Material { emission: radiance, ..Material::matte("lamp", Vec3::splat(0.5)) };
     add(&mut scene, material, &[Quad::upright(Vec3::ZERO, 9.0, 9.0)]);

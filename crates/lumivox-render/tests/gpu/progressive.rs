@@ -8,7 +8,7 @@ use lumivox::gpu::Gpu;
 use lumivox::progressive::{CHANNELS, InjectionScale, Progressive};
 use lumivox::volume::NORMAL;
 use lumivox_render::gpu_scene::GpuScene;
-use lumivox_render::surface::{SurfacePass, SurfaceView};
+use lumivox_render::surface::{self, SurfacePass, SurfaceView};
 use lumivox_render::{GiMethod, Renderer, Settings, VoxelSource};
 use lumivox_scene::{Camera, Light, Material, Scene, builtin};
 
@@ -98,10 +98,11 @@ fn removed(gpu: &Gpu) -> Result<(), Failed> {
     let mut frame = |scene: &Scene, eye: Vec3, target: Vec3| -> Result<usize, Failed> {
         let size = UVec2::splat(128);
         let view = View::perspective(eye, target, Vec3::Y, 0.9, 1.0, 0.05, 20.0).with_reversed_depth();
-        let mut target = SurfaceView::new(gpu, "test", size, size, view)?;
+        let textures = surface::targets(gpu, "test", size, surface::RADIANCE_FORMAT)?;
+        let mut target = SurfaceView::new(gpu, "test", textures, size, view);
         let scale = InjectionScale { total_points: size.x * size.y, radiance_max: 1.0 };
         target.update(gpu, scale);
-        let (gpu_scene, textures) = GpuScene::new(gpu, scene)?;
+        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &Scene::default())?;
         let pass = SurfacePass::gbuffer(gpu, &gpu_scene, &textures)?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         pass.record(gpu, &mut encoder, &gpu_scene, None, &mut target)?;

@@ -1,13 +1,15 @@
 //! Binding by name: a pass says `&` for what it reads and `&mut` for what it writes.
 
+use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use super::{Buffer, Gpu, GpuError, Sampler, Shader, ShaderBinding, Texture, Uniform};
 
 /// More than the 8 storage buffers, 4 storage and 16 sampled textures of one core stage are never bound at once here.
 const MAX_BINDINGS: usize = 16;
-/// Bind groups kept per group of a program. A frame alternates between a few ping-pong states and a handful of views.
-const CACHE_SIZE: usize = 256;
+/// Bind groups kept per group of a program; beyond that all are forgotten at once. A frame alternates between a few ping-pong
+/// states and up to some thousand views: 64 point lights have 384, an area light of 256 samples 1280.
+const CACHE_SIZE: usize = 8192;
 
 /// Something that can be bound.
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +124,7 @@ pub struct Program {
 struct Group {
     bindings: Vec<ShaderBinding>,
     layout: wgpu::BindGroupLayout,
-    kept: Mutex<Vec<([u64; MAX_BINDINGS], wgpu::BindGroup)>>,
+    kept: Mutex<HashMap<[u64; MAX_BINDINGS], wgpu::BindGroup>>,
 }
 
 impl Program {
@@ -152,7 +154,7 @@ impl Program {
         let key: [u64; MAX_BINDINGS] =
             std::array::from_fn(|i| resources[i].as_ref().map_or(u64::MAX, Resource::id));
         let mut kept = group.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, found)) = kept.iter().find(|(k, _)| *k == key) {
+        if let Some(found) = kept.get(&key) {
             return Ok(found.clone());
         }
         let entries: Vec<_> = group
@@ -168,9 +170,9 @@ impl Program {
         });
         gpu.count_created();
         if kept.len() == CACHE_SIZE {
-            kept.remove(0);
+            kept.clear();
         }
-        kept.push((key, made.clone()));
+        kept.insert(key, made.clone());
         Ok(made)
     }
 

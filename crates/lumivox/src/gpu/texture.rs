@@ -2,8 +2,8 @@
 
 use super::{Gpu, GpuError};
 
-/// A 2D texture with its default view. Its identity never repeats on a device.
-#[derive(Debug)]
+/// A 2D texture with its default view. Its identity never repeats on a device; clones are the same texture.
+#[derive(Clone, Debug)]
 pub struct Texture {
     pub(super) id: u64,
     /// The wgpu texture.

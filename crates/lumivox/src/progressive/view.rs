@@ -6,8 +6,8 @@ use lumivox_core::View;
 use crate::gpu::{Gpu, Texture, Uniform};
 use crate::wgsl::ViewUniform;
 
-/// The pictures of a view, all of one size. The camera's are its G-buffer, a light's are its reflective shadow map.
-#[derive(Debug)]
+/// The pictures of a view, all of one size; clones are the same pictures. The camera's are its G-buffer, a light's are its reflective shadow map.
+#[derive(Clone, Debug)]
 pub struct ViewTextures {
     /// Depth, 0 near to 1 far or reversed; a depth format or `R32Float`.
     pub depth: Texture,
@@ -18,7 +18,7 @@ pub struct ViewTextures {
     /// Emitted radiance in W/(m2 sr); `Rgba16Float`.
     pub emission: Texture,
     /// Radiance that the surface *reflects* towards every direction, W/(m2 sr): of this light alone in its reflective
-    /// shadow map, of all lights in the camera's picture; `Rgba16Float`.
+    /// shadow map, of all lights in the camera's picture; `Rgba16Float` or `Rgba32Float`.
     pub radiance: Texture,
 }
 

@@ -13,6 +13,8 @@ const LIGHT_DIRECTIONAL: u32 = 0u;
 const LIGHT_POINT: u32 = 1u;
 const LIGHT_SPOT: u32 = 2u;
 const LIGHT_SPOT_GLTF: u32 = 3u;
+const LIGHT_SKY: u32 = 4u;
+const LIGHT_RECT: u32 = 5u;
 const PI: f32 = 3.1415927;
 
 fn spot_factor(light: LightUniform, toward_surface: vec3f) -> f32 {
@@ -26,16 +28,28 @@ fn spot_factor(light: LightUniform, toward_surface: vec3f) -> f32 {
     return ramp * ramp;
 }
 
+fn is_parallel(light: LightUniform) -> bool {
+    return light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY;
+}
+
+// One of many samples of an area light.
+fn is_area_sample(light: LightUniform) -> bool {
+    return light.kind == LIGHT_SKY || light.kind == LIGHT_RECT;
+}
+
 // Unshadowed irradiance in W/m2 on a surface at p whose visible side faces n.
 fn light_irradiance(light: LightUniform, p: vec3f, n: vec3f) -> vec3f {
-    if light.kind == LIGHT_DIRECTIONAL {
+    if is_parallel(light) {
         return light.intensity * max(dot(n, -light.direction), 0.0);
     }
     let away = p - light.position;
     let distance2 = max(dot(away, away), 1e-8);
     let toward_surface = away * inverseSqrt(distance2);
     var factor = max(dot(n, -toward_surface), 0.0) / distance2;
-    if light.kind != LIGHT_POINT {
+    if light.kind == LIGHT_RECT {
+        // The light's own face is Lambertian, too.
+        factor *= max(dot(light.direction, toward_surface), 0.0);
+    } else if light.kind != LIGHT_POINT {
         factor *= spot_factor(light, toward_surface);
     }
     return factor * light.intensity;

@@ -1,9 +1,12 @@
 //! The frame: what is rendered, in which order, from what into what.
 
+mod injected_lights;
+mod shadowed_lights;
+
 use glam::{UVec2, Vec3};
 use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, GridError, View};
-use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture, Uniform};
+use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
 use lumivox::light::{IndirectLight, LightSettings};
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
@@ -12,10 +15,14 @@ use lumivox_scene::{Camera, Light, Scene};
 use crate::composite::{CompositePass, Layer};
 use crate::direct::DirectPass;
 use crate::gpu_scene::GpuScene;
-use crate::lights::{self, LightUniform};
-use crate::surface::{HDR_FORMAT, SurfacePass, SurfaceView};
+use crate::lights::{self, LightSample};
+use crate::shadow::ShadowPass;
+use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
 use crate::triangles;
 use crate::voxel_view::VoxelView;
+use injected_lights::InjectedLights;
+
+pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
 
 /// Why a scene cannot be rendered.
 #[derive(Debug, thiserror::Error)]
@@ -67,7 +74,17 @@ pub struct Settings {
     pub iterations: u32,
     /// How light propagates; its sky is the scene's.
     pub light: LightSettings,
-    /// Texels a side of a directional or spot light's reflective shadow map; a point light's six have half as many.
+    /// Texels a side of the atlas of shadow maps: the map of a directional or spot light has all of them, a view of a point
+    /// light half, a sample of the sky a quarter, of a rect light an eighth. More give sharper shadows. A power of two.
+    pub shadow_size: u32,
+    /// Samples that the sky is cut into for the picture, each with its own shadow map; a rect light has a quarter as many, with
+    /// five maps each. More give smoother shadows, at the price of so many small lights. With 0, rect lights are dark
+    /// and the sky comes in by propagation.
+    pub area_samples: u32,
+    /// Samples that they are cut into for the volume, which is coarser.
+    pub area_maps: u32,
+    /// Texels a side of a directional or spot light's reflective shadow map; the views of point and area lights have half as
+    /// many.
     pub rsm_size: u32,
     /// Injection points a side of a light's view. The camera injects every pixel up to this many a side.
     pub points: u32,
@@ -84,7 +101,10 @@ impl Default for Settings {
             gi: GiMethod::Propagation,
             iterations: 64,
             light: LightSettings::default(),
-            rsm_size: 1024,
+            shadow_size: 2048,
+            area_samples: 64,
+            area_maps: 32,
+            rsm_size: 512,
             points: 512,
             layer: Layer::Final,
         }
@@ -98,13 +118,6 @@ pub struct FrameStats {
     pub stages: Vec<StageTime>,
 }
 
-/// A light with its views.
-#[derive(Debug)]
-struct LightSource {
-    uniform: Uniform<LightUniform>,
-    views: Vec<SurfaceView>,
-}
-
 /// A scene, its lights, its volume and a camera.
 #[derive(Debug)]
 pub struct Renderer {
@@ -114,10 +127,12 @@ pub struct Renderer {
     scale: InjectionScale,
     scene: GpuScene,
     camera: SurfaceView,
-    lights: Vec<LightSource>,
+    shadowed: ShadowedLights,
+    injected: InjectedLights,
     sky: Vec3,
     gbuffer_pass: SurfacePass,
     rsm_pass: SurfacePass,
+    shadow_pass: ShadowPass,
     direct_pass: DirectPass,
     composite_pass: CompositePass,
     voxel_view: VoxelView,
@@ -126,6 +141,7 @@ pub struct Renderer {
     direct_light: DirectLight,
     indirect: IndirectLight,
     irradiance: Texture,
+    spare_radiance: Texture,
     picture: Texture,
 }
 
@@ -144,36 +160,36 @@ impl Renderer {
         let progressive = Progressive::new(gpu, &volume)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
         let indirect = IndirectLight::new(gpu, &volume)?;
-        indirect.update(gpu, &LightSettings { sky: scene.sky, ..settings.light });
+        let sampled_sky = if settings.area_samples > 0 { scene.sky } else { Vec3::ZERO };
+        let light = LightSettings { sky: scene.sky - sampled_sky, ..settings.light };
+        indirect.update(gpu, &light);
+        let panels = lights::panels(&scene.lights);
         if settings.voxels == VoxelSource::Triangles && needs_volume(&settings) {
-            let made = triangles::voxelize(scene, &grid);
+            let made = triangles::voxelize(&[scene, &panels], &grid);
             volume.upload(gpu, NORMAL, &made.normal)?;
             volume.upload(gpu, ALBEDO, &made.albedo)?;
             volume.upload(gpu, EMISSION, &made.emission)?;
         }
 
-        let (gpu_scene, textures) = GpuScene::new(gpu, scene)?;
+        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels)?;
         let camera = camera_target(gpu, &settings)?;
-        let lights: Vec<_> = scene
-            .lights
-            .iter()
-            .map(|light| light_source(gpu, light, &bounds, &settings))
-            .collect::<Result<Vec<_>, GpuError>>()?
-            .into_iter()
-            .flatten()
-            .collect();
+        let [for_picture, for_volume] = light_samples(&settings, &scene.lights, sampled_sky);
+        let injected = InjectedLights::new(gpu, &for_volume, &settings)?;
+        let emission = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
         let composite_pass = CompositePass::new(gpu);
         composite_pass.update(gpu, settings.layer, scene.sky);
         let renderer = Self {
             gpu: gpu.clone(),
             settings,
             bounds,
-            scale: injection_scale(scene, &bounds, &camera, &lights),
+            scale: injected.scale(&bounds, &camera, emission),
             gbuffer_pass: SurfacePass::gbuffer(gpu, &gpu_scene, &textures)?,
             rsm_pass: SurfacePass::rsm(gpu, &gpu_scene, &textures)?,
+            shadow_pass: ShadowPass::new(gpu, &gpu_scene, &textures)?,
             scene: gpu_scene,
             camera,
-            lights,
+            shadowed: ShadowedLights::new(gpu, for_picture, settings.shadow_size)?,
+            injected,
             sky: scene.sky,
             direct_pass: DirectPass::new(gpu),
             composite_pass,
@@ -183,6 +199,12 @@ impl Renderer {
             direct_light,
             indirect,
             irradiance: Texture::target(gpu, "render/irradiance", settings.size.to_array(), HDR_FORMAT)?,
+            spare_radiance: Texture::target(
+                gpu,
+                "camera/radiance",
+                settings.size.to_array(),
+                RADIANCE_FORMAT,
+            )?,
             picture: Texture::target(gpu, "render/picture", settings.size.to_array(), HDR_FORMAT)?,
         };
         gpu.wait()?;
@@ -202,15 +224,11 @@ impl Renderer {
 
     /// Moves and changes the lights, as many and of the same kinds as before, from the next frame on.
     pub fn set_lights(&mut self, lights: &[Light]) {
-        let placed = lights.iter().filter_map(|l| Some((l, lights::light_uniform(l)?)));
-        for (source, (light, value)) in self.lights.iter().zip(placed) {
-            source.uniform.write(&self.gpu, &value);
-            debug_assert_eq!(source.views.len(), lights::light_views(light, &self.bounds).len());
-        }
-        let views = lights.iter().flat_map(|l| lights::light_views(l, &self.bounds));
-        for (target, view) in self.lights.iter_mut().flat_map(|s| &mut s.views).zip(views) {
-            target.view = view;
-        }
+        let sampled_sky = if self.settings.area_samples > 0 { self.sky } else { Vec3::ZERO };
+        let [for_picture, for_volume] = light_samples(&self.settings, lights, sampled_sky);
+        self.shadowed.set(for_picture);
+        self.injected.set(&self.gpu, &for_volume);
+        self.scene.set_panels(&self.gpu, &lights::panels(lights));
     }
 
     /// Chooses what the picture shows, from the next frame on.
@@ -221,46 +239,54 @@ impl Renderer {
 
     /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
     pub fn frame(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
-        let Self { gpu, settings, scene, camera, lights, volume, progressive, indirect, .. } = self;
+        let Self { gpu, settings, scene, camera, shadowed, injected, volume, progressive, indirect, .. } =
+            self;
         let gpu = &*gpu;
         let mut timer = StageTimer::new(gpu, clock);
 
         camera.update(gpu, self.scale);
-        lights.iter().flat_map(|l| &l.views).for_each(|v| v.update(gpu, self.scale));
+        shadowed.update(gpu, &self.bounds, &camera.view);
+        injected.update(gpu, &self.bounds, self.scale);
 
-        // What the camera and the lights see.
-        timer.stage(gpu, "raster/gbuffer", |e| self.gbuffer_pass.record(gpu, e, scene, None, camera))?;
-        timer.stage(gpu, "raster/rsm", |e| {
-            lights.iter_mut().try_for_each(|light| {
-                let LightSource { uniform, views } = light;
-                views.iter_mut().try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(uniform), v))
-            })
-        })?;
-        timer.stage(gpu, "raster/direct", |e| {
-            let views = lights.iter().flat_map(|l| l.views.iter().map(|v| (&l.uniform, v)));
+        // What the camera sees, and how it is lit.
+        timer.stage(gpu, "raster/gbuffer", |e| {
             camera.record_clear_radiance(e);
-            views.into_iter().try_for_each(|(light, v)| self.direct_pass.record(gpu, e, light, v, camera))
+            self.gbuffer_pass.record(gpu, e, scene, None, camera)
         })?;
+        for batch in &shadowed.batches {
+            timer.stage(gpu, "raster/shadow", |e| {
+                self.shadow_pass.record(gpu, e, scene, &batch.tiles, &shadowed.atlas)
+            })?;
+            timer.stage(gpu, "raster/direct", |e| {
+                self.direct_pass.record(gpu, e, shadowed, batch, camera, &mut self.spare_radiance)
+            })?;
+        }
 
         if needs_volume(settings) {
-            // Views to volume.
-            timer.stage(gpu, "progressive/cleanup", |e| match settings.voxels {
-                VoxelSource::Triangles => Ok(()),
-                VoxelSource::SingleFrame => {
+            // Views to volume, light by light, the camera last.
+            let cleans_up = settings.voxels == VoxelSource::Progressive;
+            timer.stage(gpu, "progressive/cleanup", |e| {
+                if settings.voxels == VoxelSource::SingleFrame {
                     volume.record_clear(e);
-                    Ok(())
                 }
-                VoxelSource::Progressive => {
-                    let views = lights.iter().flat_map(|l| &l.views).chain([&*camera]);
-                    views.into_iter().try_for_each(|v| progressive.record_cleanup(gpu, e, &v.input, volume))
-                }
-            })?;
-            timer.stage(gpu, "progressive/injection", |e| {
                 progressive.record_begin(e, &mut self.direct_light);
-                for light in lights.iter() {
-                    let views = light.views.iter().map(|v| &v.input);
-                    progressive.record_light(gpu, e, views, volume, &mut self.direct_light)?;
-                }
+                if cleans_up { progressive.record_cleanup(gpu, e, &camera.input, volume) } else { Ok(()) }
+            })?;
+            for source in &mut injected.sources {
+                timer.stage(gpu, "raster/rsm", |e| {
+                    let mut views = source.views.iter_mut();
+                    views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
+                })?;
+                let views = || source.views.iter().map(|v| &v.input);
+                timer.stage(gpu, "progressive/cleanup", |e| {
+                    let mut cleaning = views().filter(|_| cleans_up && source.is_full);
+                    cleaning.try_for_each(|v| progressive.record_cleanup(gpu, e, v, volume))
+                })?;
+                timer.stage(gpu, "progressive/injection", |e| {
+                    progressive.record_light(gpu, e, views(), volume, &mut self.direct_light)
+                })?;
+            }
+            timer.stage(gpu, "progressive/injection", |e| {
                 progressive.record_camera(gpu, e, &camera.input, volume, &mut self.direct_light)?;
                 progressive.record_end(gpu, e, &camera.input, volume)
             })?;
@@ -355,40 +381,13 @@ fn propagation_steps(settings: &Settings) -> u32 {
     if settings.gi == GiMethod::Off { 0 } else { settings.iterations }
 }
 
+/// The samples of all lights for the picture and for the volume.
+fn light_samples(settings: &Settings, lights: &[Light], sky: Vec3) -> [Vec<LightSample>; 2] {
+    [settings.area_samples, settings.area_maps].map(|count| lights::area_samples(lights, sky, count))
+}
+
 fn camera_target(gpu: &Gpu, settings: &Settings) -> Result<SurfaceView, GpuError> {
     let view = View::perspective(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0, 1.0, 0.1, 1.0).with_reversed_depth();
-    SurfaceView::new(gpu, "camera", settings.size, UVec2::splat(settings.points), view)
-}
-
-/// The targets of a light's views; none for lights without a reflective shadow map.
-fn light_source(
-    gpu: &Gpu,
-    light: &Light,
-    bounds: &Bounds,
-    settings: &Settings,
-) -> Result<Option<LightSource>, GpuError> {
-    let Some(uniform) = lights::light_uniform(light) else { return Ok(None) };
-    let views = lights::light_views(light, bounds);
-    let share = if views.len() > 1 { 2 } else { 1 };
-    let (size, points) = (UVec2::splat(settings.rsm_size / share), UVec2::splat(settings.points / share));
-    let targets = views.into_iter().map(|v| SurfaceView::new(gpu, "rsm", size, points, v));
-    Ok(Some(LightSource {
-        uniform: Uniform::new(gpu, "render/light", &uniform),
-        views: targets.collect::<Result<_, _>>()?,
-    }))
-}
-
-fn injection_scale(
-    scene: &Scene,
-    bounds: &Bounds,
-    camera: &SurfaceView,
-    lights: &[LightSource],
-) -> InjectionScale {
-    let views = lights.iter().flat_map(|l| &l.views).chain([camera]);
-    let reflected: f32 = scene.lights.iter().map(|l| lights::radiance_bound(l, bounds)).sum();
-    let emitted = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
-    InjectionScale {
-        total_points: views.map(|v| v.input.point_count()).sum(),
-        radiance_max: reflected.max(emitted).max(1e-3),
-    }
+    let textures = surface::targets(gpu, "camera", settings.size, RADIANCE_FORMAT)?;
+    Ok(SurfaceView::new(gpu, "camera", textures, UVec2::splat(settings.points), view))
 }
