@@ -384,11 +384,14 @@ fn injection_scale(
     camera: &SurfaceView,
     lights: &[LightSource],
 ) -> InjectionScale {
-    let views = lights.iter().flat_map(|l| &l.views).chain([camera]);
+    let points_of = |views: &[SurfaceView]| views.iter().map(|v| v.input.point_count()).sum::<u32>();
+    let camera_points = camera.input.point_count();
+    let light_points = lights.iter().map(|l| points_of(&l.views));
     let reflected: f32 = scene.lights.iter().map(|l| lights::radiance_bound(l, bounds)).sum();
     let emitted = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
     InjectionScale {
-        total_points: views.map(|v| v.input.point_count()).sum(),
+        attribute_points: light_points.clone().sum::<u32>() + camera_points,
+        light_points: light_points.fold(camera_points, u32::max),
         radiance_max: reflected.max(emitted).max(1e-3),
     }
 }

@@ -99,7 +99,8 @@ fn removed(gpu: &Gpu) -> Result<(), Failed> {
         let size = UVec2::splat(128);
         let view = View::perspective(eye, target, Vec3::Y, 0.9, 1.0, 0.05, 20.0).with_reversed_depth();
         let mut target = SurfaceView::new(gpu, "test", size, size, view)?;
-        let scale = InjectionScale { total_points: size.x * size.y, radiance_max: 1.0 };
+        let points = size.x * size.y;
+        let scale = InjectionScale { attribute_points: points, light_points: points, radiance_max: 1.0 };
         target.update(gpu, scale);
         let (gpu_scene, textures) = GpuScene::new(gpu, scene)?;
         let pass = SurfacePass::gbuffer(gpu, &gpu_scene, &textures)?;
