@@ -63,7 +63,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut lighting = Lighting::new(&gpu, &bounds, [320, 180])?;
     let camera = ViewInput::new(&gpu, "camera", pictures(&gpu, [320, 180])?, UVec2::splat(256));
     let sun = ViewInput::new(&gpu, "sun", pictures(&gpu, [512, 512])?, UVec2::splat(256));
-    let scale = InjectionScale { total_points: camera.point_count() + sun.point_count(), radiance_max: 10.0 };
+    let scale = InjectionScale {
+        attribute_points: camera.point_count() + sun.point_count(),
+        light_points: camera.point_count().max(sun.point_count()),
+        radiance_max: 10.0,
+    };
     for frame in 0..3 {
         let eye = Vec3::new(1.0 + frame as f32, 2.0, 5.0);
         let camera_view = View::perspective(eye, bounds.center(), Vec3::Y, 1.0, 320.0 / 180.0, 0.05, 20.0);

@@ -4,10 +4,14 @@
 use glam::{Mat4, UVec2, UVec3, Vec3};
 use lumivox_core::{Grid, View};
 
+use crate::progressive::InjectionScale;
+
 /// `GridUniform`, cell indices and positions.
 pub const GRID: &str = include_str!("wgsl/grid.wgsl");
 /// `ViewUniform`, from texels to the world.
 pub const VIEW: &str = include_str!("wgsl/view.wgsl");
+/// Points of a view's injection grid; after [`GRID`] and [`VIEW`].
+pub const POINT: &str = include_str!("wgsl/point.wgsl");
 /// Four half floats in two words.
 pub const PACK: &str = include_str!("wgsl/pack.wgsl");
 /// Spherical harmonics of bands 0 and 1.
@@ -59,10 +63,10 @@ crate::gpu_struct! {
         pub far_depth: f32,
         /// Largest radiance that injection represents.
         pub radiance_max: f32,
-        /// Fixed-point steps per unit of summed normals and albedo.
+        /// Fixed-point steps per unit of summed normals and albedo; of emission, times `radiance_max`.
         pub unit_steps: f32,
-        /// Fixed-point steps per unit of summed radiance.
-        pub radiance_steps: f32,
+        /// Fixed-point steps per unit of one light's summed radiance.
+        pub light_steps: f32,
     }
 }
 
@@ -70,10 +74,10 @@ impl ViewUniform {
     /// A view of `size` texels whose pictures are injected at `points` points.
     ///
     /// Sums are 32-bit fixed point, so that they do not depend on the order of additions. The steps are as fine as
-    /// they can be without overflow when *all* points of the frame fall into one cell: `total_points` counts those of
-    /// all views of the frame, and `radiance_max` bounds what a point may carry.
-    pub fn new(view: &View, size: UVec2, points: UVec2, total_points: u32, radiance_max: f32) -> Self {
-        let steps = 2f32.powi(30) / total_points.max(1) as f32;
+    /// they can be without overflow when all points that are added to the same sums fall into one cell.
+    pub fn new(view: &View, size: UVec2, points: UVec2, scale: InjectionScale) -> Self {
+        let steps = |points: u32| 2f32.powi(30) / points.max(1) as f32;
+        let radiance_max = scale.radiance_max.max(1e-6);
         Self {
             clip_from_world: view.clip_from_world,
             world_from_clip: view.world_from_clip(),
@@ -82,8 +86,8 @@ impl ViewUniform {
             points,
             far_depth: if view.reversed_depth { 0.0 } else { 1.0 },
             radiance_max,
-            unit_steps: steps,
-            radiance_steps: steps / radiance_max.max(1e-6),
+            unit_steps: steps(scale.attribute_points),
+            light_steps: steps(scale.light_points) / radiance_max,
         }
     }
 }

@@ -84,13 +84,21 @@ pub(crate) fn point_like(light: &Light) -> Option<LightUniform> {
     }
 }
 
-/// The largest radiance that a white surface reflects of one sample, W/(m2 sr), for surfaces no nearer than a fiftieth of
-/// the scene's diagonal.
-pub fn radiance_bound(sample: &LightUniform, bounds: &Bounds) -> f32 {
-    let nearest = (bounds.size().length() / 50.0).max(1e-3);
-    let parallel = sample.kind == LIGHT_DIRECTIONAL || sample.kind == LIGHT_SKY;
-    let attenuation = if parallel { 1.0 } else { 1.0 / (nearest * nearest) };
-    attenuation * sample.intensity.max_element() / std::f32::consts::PI
+/// A bound for the radiance that white surfaces reflect, W/(m2 sr): a fiftieth of the scene's diagonal from the brightest
+/// sample, and an eighth of it from all others at once. It is for ranges of numbers, and closer surfaces may exceed it.
+pub fn radiance_bound<'a>(samples: impl IntoIterator<Item = &'a LightUniform>, bounds: &Bounds) -> f32 {
+    let diagonal = bounds.size().length();
+    let (mut brightest, mut together) = (0.0_f32, 0.0);
+    for sample in samples {
+        let parallel = sample.kind == LIGHT_DIRECTIONAL || sample.kind == LIGHT_SKY;
+        let at = |distance: f32| {
+            let attenuation = if parallel { 1.0 } else { distance.max(1e-3).powi(-2) };
+            attenuation * sample.intensity.max_element() / std::f32::consts::PI
+        };
+        brightest = brightest.max(at(diagonal / 50.0));
+        together += at(diagonal / 8.0);
+    }
+    brightest + together
 }
 
 pub(crate) fn unit(direction: Vec3) -> Vec3 {

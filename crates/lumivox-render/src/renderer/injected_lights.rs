@@ -64,11 +64,14 @@ impl InjectedLights {
 
     /// The range of the frame's sums, with the camera's points and the brightest emission.
     pub(super) fn scale(&self, bounds: &Bounds, camera: &SurfaceView, emission: f32) -> InjectionScale {
-        let views = self.sources.iter().filter(|s| s.is_full).flat_map(|s| &s.views).chain([camera]);
-        let reflected = self.sources.iter().map(|s| lights::radiance_bound(&s.sample.uniform, bounds));
+        let points = |s: &InjectedLight| s.views.iter().map(|v| v.input.point_count()).sum::<u32>();
+        let of_camera = camera.input.point_count();
+        let full = self.sources.iter().filter(|s| s.is_full);
+        let reflected = lights::radiance_bound(self.sources.iter().map(|s| &s.sample.uniform), bounds);
         InjectionScale {
-            total_points: views.map(|v| v.input.point_count()).sum(),
-            radiance_max: reflected.sum::<f32>().max(emission).max(1e-3),
+            attribute_points: full.map(points).sum::<u32>() + of_camera,
+            light_points: self.sources.iter().map(points).fold(of_camera, u32::max),
+            radiance_max: reflected.max(emission).max(1e-3),
         }
     }
 }

@@ -283,7 +283,12 @@ impl Renderer {
                     cleaning.try_for_each(|v| progressive.record_cleanup(gpu, e, v, volume))
                 })?;
                 timer.stage(gpu, "progressive/injection", |e| {
-                    progressive.record_light(gpu, e, views(), volume, &mut self.direct_light)
+                    let light = &mut self.direct_light;
+                    if source.is_full {
+                        progressive.record_light(gpu, e, views(), volume, light)
+                    } else {
+                        progressive.record_light_only(gpu, e, views(), volume, light)
+                    }
                 })?;
             }
             timer.stage(gpu, "progressive/injection", |e| {

@@ -8,10 +8,15 @@
 use glam::{Mat4, UVec2, Vec2};
 use lumivox::core::{Bounds, View};
 use lumivox::gpu::{Buffer, Gpu, GpuError, Texture, Uniform};
+use lumivox::progressive::InjectionScale;
 use lumivox::wgsl::ViewUniform;
 
 use crate::lights::{self, LightSample, LightUniform, ViewShape};
 use crate::surface::DEPTH_FORMAT;
+
+/// Shadow views are not injected.
+const NOTHING_INJECTED: InjectionScale =
+    InjectionScale { attribute_points: 1, light_points: 1, radiance_max: 1.0 };
 
 lumivox::gpu_struct! {
     /// A view of a light with its tile of the atlas, as the direct pass sees it.
@@ -120,7 +125,8 @@ impl ShadowedLights {
         for (n, (sample, &texels)) in self.samples.iter().zip(&self.tile_sizes).enumerate() {
             for view in lights::light_views(sample, bounds, &receivers, texels) {
                 let Some(tile) = tiles.next() else { continue };
-                tile.view.write(gpu, &ViewUniform::new(&view, UVec2::splat(texels), UVec2::ONE, 1, 1.0));
+                tile.view
+                    .write(gpu, &ViewUniform::new(&view, UVec2::splat(texels), UVec2::ONE, NOTHING_INJECTED));
                 views.push(ShadowViewUniform {
                     clip_from_world: view.clip_from_world,
                     tile_origin: tile.corner.as_vec2() / size,

@@ -100,7 +100,8 @@ fn removed(gpu: &Gpu) -> Result<(), Failed> {
         let view = View::perspective(eye, target, Vec3::Y, 0.9, 1.0, 0.05, 20.0).with_reversed_depth();
         let textures = surface::targets(gpu, "test", size, surface::RADIANCE_FORMAT)?;
         let mut target = SurfaceView::new(gpu, "test", textures, size, view);
-        let scale = InjectionScale { total_points: size.x * size.y, radiance_max: 1.0 };
+        let points = size.x * size.y;
+        let scale = InjectionScale { attribute_points: points, light_points: points, radiance_max: 1.0 };
         target.update(gpu, scale);
         let (gpu_scene, textures) = GpuScene::new(gpu, scene, &Scene::default())?;
         let pass = SurfacePass::gbuffer(gpu, &gpu_scene, &textures)?;

@@ -1,4 +1,5 @@
 //! Injection (6.2.2, Listing 6.2; dissertation 7.4.2): a grid of points is lifted by the view's depth and falls into cells.
+//! This stage adds up their attributes, [`light_injection`](super::light_injection) their light.
 //!
 //! Points are moved [`SURFACE_SHIFT`] of a cell against their normal first. A wall that lies exactly on a cell
 //! boundary would else be drawn into either neighbour by rounding; so it falls into the cell behind its visible side, and
@@ -15,34 +16,26 @@
 
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, SH, VIEW, linear_groups};
+use crate::wgsl::{GRID, POINT, VIEW, linear_groups};
 
 use super::ViewInput;
 
 /// Words of a cell's attribute sums.
 pub(super) const ATTRIBUTE_SUM_WORDS: u64 = 10;
-/// Words of a cell's light sums.
-pub const LIGHT_SUM_WORDS: u64 = 13;
 /// How far a sample is moved against its normal, in cells. Depth values place a point to about 1/500 cell.
 pub const SURFACE_SHIFT: f64 = 1.0 / 64.0;
 
 pub(super) const SHADER: Shader =
-    Shader { name: "progressive/injection", parts: &[GRID, VIEW, SH, include_str!("injection.wgsl")] };
+    Shader { name: "progressive/injection", parts: &[GRID, VIEW, POINT, include_str!("injection.wgsl")] };
 
 #[derive(Debug)]
 pub(super) struct Injection(ComputePass);
 
 impl Injection {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(
-            gpu,
-            &SHADER,
-            &[
-                ("SURFACE_SHIFT", SURFACE_SHIFT),
-                ("ATTRIBUTE_SUM_WORDS", ATTRIBUTE_SUM_WORDS as f64),
-                ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64),
-            ],
-        ))
+        let constants =
+            [("SURFACE_SHIFT", SURFACE_SHIFT), ("ATTRIBUTE_SUM_WORDS", ATTRIBUTE_SUM_WORDS as f64)];
+        Self(ComputePass::new(gpu, &SHADER, &constants))
     }
 
     pub(super) fn record(
@@ -51,7 +44,7 @@ impl Injection {
         encoder: &mut wgpu::CommandEncoder,
         view: &ViewInput,
         volume: &VolumeBuffer,
-        (attribute_sums, light_sums): (&mut Buffer, &mut Buffer),
+        attribute_sums: &mut Buffer,
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
@@ -60,9 +53,7 @@ impl Injection {
             .read("normal", &view.textures.normal)
             .read("albedo", &view.textures.albedo)
             .read("emission", &view.textures.emission)
-            .read("radiance", &view.textures.radiance)
-            .write("attribute_sums", attribute_sums)
-            .write("light_sums", light_sums);
+            .write("attribute_sums", attribute_sums);
         self.0.record(gpu, encoder, &bindings, linear_groups(view.point_count()))
     }
 }

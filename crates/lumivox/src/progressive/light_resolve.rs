@@ -1,11 +1,11 @@
 //! The lighting rule (6.3): the sums of one light become means, which are added to the direct light of their cells, or
 //! replace it when they come from the camera.
 
-use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
+use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, PACK, VIEW, linear_groups};
+use crate::wgsl::{GRID, PACK, VIEW, ViewUniform, linear_groups};
 
-use super::{DirectLight, LIGHT_SUM_WORDS, ViewInput};
+use super::{DirectLight, LIGHT_SUM_WORDS};
 
 pub(super) const SHADER: Shader = Shader {
     name: "progressive/light_resolve",
@@ -34,13 +34,13 @@ impl LightResolve {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        (view, volume): (&ViewInput, &VolumeBuffer),
+        (view, volume): (&Uniform<ViewUniform>, &VolumeBuffer),
         light_sums: &Buffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
-            .read("view", &view.uniform)
+            .read("view", view)
             .read("light_sums", light_sums)
             .write("light", &mut light.sh);
         self.0.record(gpu, encoder, &bindings, linear_groups(volume.grid().cell_count() as u32))

@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     for (var band = 0u; band < 3u; band++) {
         let first = at + 4u * band;
         let sum = vec4i(light_sums[first], light_sums[first + 1u], light_sums[first + 2u], light_sums[first + 3u]);
-        let mean = vec4f(sum) / (count * view.radiance_steps);
+        let mean = vec4f(sum) / (count * view.light_steps);
         light[3u * index + band] = pack_half4(KEEP * unpack_half4(light[3u * index + band]) + mean);
     }
 }

@@ -23,6 +23,7 @@
 
 mod cleanup;
 mod injection;
+mod light_injection;
 mod light_resolve;
 mod resolve;
 mod view;
@@ -32,11 +33,13 @@ use glam::Vec4;
 use crate::gpu::{Buffer, Gpu, GpuError, Shader};
 use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid};
 
-pub use injection::{LIGHT_SUM_WORDS, SURFACE_SHIFT};
-pub use view::{InjectionScale, ViewInput, ViewTextures};
+pub use injection::SURFACE_SHIFT;
+pub use light_injection::LIGHT_SUM_WORDS;
+pub use view::{InjectionScale, LightView, ViewInput, ViewTextures};
 
 use cleanup::Cleanup;
 use injection::{ATTRIBUTE_SUM_WORDS, Injection};
+use light_injection::LightInjection;
 use light_resolve::{LightResolve, Replace};
 use resolve::Resolve;
 
@@ -79,6 +82,7 @@ impl DirectLight {
 pub struct Progressive {
     cleanup: Cleanup,
     injection: Injection,
+    light_injection: LightInjection,
     resolve: Resolve,
     add_light: LightResolve,
     replace_light: LightResolve,
@@ -95,6 +99,7 @@ impl Progressive {
         Ok(Self {
             cleanup: Cleanup::new(gpu),
             injection: Injection::new(gpu),
+            light_injection: LightInjection::new(gpu),
             resolve: Resolve::new(gpu),
             add_light: LightResolve::new(gpu, Replace::No),
             replace_light: LightResolve::new(gpu, Replace::Yes),
@@ -141,7 +146,29 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Some(view) = self.record_samples(gpu, encoder, views, volume)? else { return Ok(()) };
+        let Some(view) = self.record_points(gpu, encoder, views, volume)? else { return Ok(()) };
+        self.add_light.record(gpu, encoder, (&view.uniform, volume), &self.light_sums, light)
+    }
+
+    /// As [`Self::record_light`], for views that add light alone: the same light is added, and no attributes are collected.
+    /// For lights that take many views to sample, of which few show anything new; each sample that lights by itself is a
+    /// light of its own here.
+    pub fn record_light_only<'v>(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        views: impl IntoIterator<Item = impl Into<LightView<'v>>>,
+        volume: &VolumeBuffer,
+        light: &mut DirectLight,
+    ) -> Result<(), GpuError> {
+        encoder.clear_buffer(&self.light_sums.raw, 0, None);
+        let mut last = None;
+        for view in views {
+            let view = view.into();
+            self.light_injection.record(gpu, encoder, view, volume, &mut self.light_sums)?;
+            last = Some(view.uniform);
+        }
+        let Some(view) = last else { return Ok(()) };
         self.add_light.record(gpu, encoder, (view, volume), &self.light_sums, light)
     }
 
@@ -154,8 +181,8 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        self.record_samples(gpu, encoder, [view], volume)?;
-        self.replace_light.record(gpu, encoder, (view, volume), &self.light_sums, light)
+        self.record_points(gpu, encoder, [view], volume)?;
+        self.replace_light.record(gpu, encoder, (&view.uniform, volume), &self.light_sums, light)
     }
 
     /// Ends the frame's injection: cells with samples take the mean of their attributes over all views (6.2.2). `view` is
@@ -170,8 +197,8 @@ impl Progressive {
         self.resolve.record(gpu, encoder, view, &self.attribute_sums, volume)
     }
 
-    /// Sums the samples of the views; returns one of them.
-    fn record_samples<'v>(
+    /// Sums the points of the views, attributes and light; returns one of the views.
+    fn record_points<'v>(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -181,8 +208,8 @@ impl Progressive {
         encoder.clear_buffer(&self.light_sums.raw, 0, None);
         let mut last = None;
         for view in views {
-            let sums = (&mut self.attribute_sums, &mut self.light_sums);
-            self.injection.record(gpu, encoder, view, volume, sums)?;
+            self.injection.record(gpu, encoder, view, volume, &mut self.attribute_sums)?;
+            self.light_injection.record(gpu, encoder, view.into(), volume, &mut self.light_sums)?;
             last = Some(view);
         }
         Ok(last)
@@ -190,5 +217,5 @@ impl Progressive {
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![cleanup::SHADER, injection::SHADER, light_resolve::SHADER, resolve::SHADER]
+    vec![cleanup::SHADER, injection::SHADER, light_injection::SHADER, light_resolve::SHADER, resolve::SHADER]
 }

@@ -27,5 +27,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     }
     normal_out[index] = pack_half4(vec4f(mean(at, count, view.unit_steps), 1.0));
     albedo_out[index] = pack_half4(vec4f(mean(at + 3u, count, view.unit_steps), 0.0));
-    emission_out[index] = pack_half4(vec4f(mean(at + 6u, count, view.radiance_steps), 0.0));
+    emission_out[index] = pack_half4(vec4f(mean(at + 6u, count, emission_steps(view)), 0.0));
 }

@@ -50,19 +50,49 @@ impl ViewInput {
     /// same scale.
     pub fn update(&self, gpu: &Gpu, view: &View, scale: InjectionScale) {
         let size = UVec2::from(self.textures.depth.size());
-        self.uniform
-            .write(gpu, &ViewUniform::new(view, size, self.points, scale.total_points, scale.radiance_max));
+        self.uniform.write(gpu, &ViewUniform::new(view, size, self.points, scale));
     }
 }
 
-/// The range of a frame's fixed-point sums.
+/// What a view brings that adds light and no attributes: three of the five pictures.
 ///
-/// A step of a sum is `total_points * radiance_max / 2^30`: with 200,000 points and radiances up to 10 W/(m2 sr) it is
-/// 0.002, of which a mean over many samples keeps a small part as error.
+/// A light sampled by many views can draw them one after another into the same pictures, since each is recorded before the
+/// next is drawn; only the uniforms must be as many as the views, because they are written before the frame.
+#[derive(Clone, Copy, Debug)]
+pub struct LightView<'v> {
+    /// As [`ViewTextures::depth`].
+    pub depth: &'v Texture,
+    /// As [`ViewTextures::normal`].
+    pub normal: &'v Texture,
+    /// As [`ViewTextures::radiance`].
+    pub radiance: &'v Texture,
+    /// Where the view stands, written with [`ViewUniform::new`] for the size of the pictures and these points.
+    pub uniform: &'v Uniform<ViewUniform>,
+    /// Columns and rows of the injection grid.
+    pub points: UVec2,
+}
+
+impl<'v> From<&'v ViewInput> for LightView<'v> {
+    fn from(view: &'v ViewInput) -> Self {
+        let ViewTextures { depth, normal, radiance, .. } = &view.textures;
+        Self { depth, normal, radiance, uniform: &view.uniform, points: view.points }
+    }
+}
+
+/// The ranges of a frame's fixed-point sums.
+///
+/// A step of the light's sums is `light_points * radiance_max / 2^30`, one of emission's likewise with
+/// `attribute_points`, and one of normals and albedo `attribute_points / 2^30`. With 200,000 points and radiances up to
+/// 10 W/(m2 sr) a step is 0.002, of which a mean over many samples keeps a small part as error. More points than are
+/// injected are safe and coarser; fewer may overflow.
 #[derive(Clone, Copy, Debug)]
 pub struct InjectionScale {
-    /// Points that all views of the frame inject. More is safe and coarser; fewer may overflow.
-    pub total_points: u32,
+    /// Points that add attributes: of the camera and of all lights recorded with
+    /// [`record_light`](super::Progressive::record_light), over the whole frame.
+    pub attribute_points: u32,
+    /// The most points that add light at a time: of one light with all its views, or of the camera. Sums of light begin
+    /// anew with each light.
+    pub light_points: u32,
     /// Largest radiance of a sample, W/(m2 sr). Brighter samples are cut to it; a higher bound gives coarser steps.
     pub radiance_max: f32,
 }

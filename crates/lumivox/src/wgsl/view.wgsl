@@ -11,9 +11,18 @@ struct ViewUniform {
     far_depth: f32,
     // The largest radiance that injection represents.
     radiance_max: f32,
-    // Fixed-point steps per unit of a sum: of normals and albedo, and of radiance.
+    // Fixed-point steps per unit of a sum: of normals and albedo, and of one light's radiance.
     unit_steps: f32,
-    radiance_steps: f32,
+    light_steps: f32,
+}
+
+// Fixed-point steps per unit of summed emission, which is an attribute with the range of radiances.
+fn emission_steps(view: ViewUniform) -> f32 {
+    return view.unit_steps / view.radiance_max;
+}
+
+fn within_range(view: ViewUniform, color: vec3f) -> vec3f {
+    return clamp(color, vec3f(0.0), vec3f(view.radiance_max));
 }
 
 fn ndc_from_uv(uv: vec2f) -> vec2f {

@@ -5,15 +5,16 @@ use libtest_mimic::Failed;
 use lumivox::core::View;
 use lumivox::glam::{DVec3, UVec2, Vec2, Vec3, Vec4};
 use lumivox::gpu::{Gpu, GpuError};
-use lumivox::volume::NORMAL;
+use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
-use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
+use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, random_volume, views};
 use crate::support::{Lab, Paint, Picture, Shape, Shot, Thing, World, channel};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
     ("lighting: the means of two lights are summed", lights_are_summed),
     ("lighting: camera samples replace the sum of the lights", camera_replaces),
+    ("lighting: views that add light alone add the same light and no attributes", light_only),
     ("lighting: twice the resolution is the same light", resolution_does_not_matter),
     ("lighting: a lamp that goes out leaves no light, seen or not", lamps_go_out),
     ("lighting: the same frames give the same bits, on every tier", same_bits),
@@ -69,6 +70,41 @@ fn camera_replaces(labs: &Labs) -> Result<(), Failed> {
         unseen += usize::from(!sampled && lamps[cell] != [Vec4::ZERO; 3]);
     }
     assert!(replaced > 50 && unseen > 50, "{replaced} cells replaced, {unseen} not");
+    Ok(())
+}
+
+/// Two views of one lamp, then the camera, in a volume that already holds something everywhere.
+fn light_only(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let [one, two, camera] = shots(gpu)?;
+    let before = random_volume(&grid());
+    let frame = |only: bool, with_camera: bool| -> Result<_, Failed> {
+        let mut world = World::new(&labs.core, grid())?;
+        for (name, values) in [NORMAL, ALBEDO, EMISSION].into_iter().zip(&before) {
+            world.volume.upload(gpu, name, values)?;
+        }
+        let uploaded = world.read(gpu)?;
+        world.inject_with(gpu, |progressive, e, volume, light| {
+            let views = [&one.input, &two.input];
+            match only {
+                true => progressive.record_light_only(gpu, e, views, volume, light)?,
+                false => progressive.record_light(gpu, e, views, volume, light)?,
+            }
+            if with_camera {
+                progressive.record_camera(gpu, e, &camera.input, volume, light)?;
+            }
+            progressive.record_end(gpu, e, &camera.input, volume)
+        })?;
+        Ok((uploaded, world.read(gpu)?, world.light.read_back(gpu)?))
+    };
+    for with_camera in [false, true] {
+        let ((_, with, expected), (uploaded, without, light)) =
+            (frame(false, with_camera)?, frame(true, with_camera)?);
+        assert_eq!(light, expected, "another light, with the camera: {with_camera}");
+        assert!(light.iter().filter(|c| c[0].x > 0.0).count() > 100, "nothing was lit");
+        assert!(with != without, "attributes of the lamp make no difference");
+        assert!(with_camera || without == uploaded, "attributes changed");
+    }
     Ok(())
 }
 

@@ -58,7 +58,7 @@ pub(crate) fn views() -> [(&'static str, View); 3] {
 
 pub(crate) const SIZE: UVec2 = UVec2::new(80, 64);
 
-fn random_volume(grid: &Grid) -> [Vec<Vec4>; 3] {
+pub(crate) fn random_volume(grid: &Grid) -> [Vec<Vec4>; 3] {
     let mut random = Random::new(7);
     let mut channels = [const { Vec::new() }; 3];
     for _ in 0..grid.cell_count() {
@@ -119,8 +119,9 @@ fn is_mean(stored: f32, mean: f64, step: f64) -> bool {
 }
 
 fn check_injection(gpu: &Gpu, world: &World, shots: &[&Shot], stride: u32, name: &str) -> Result<(), Failed> {
-    let step = f64::from(SCALE.total_points) / 2f64.powi(30);
-    let radiance_step = step * f64::from(SCALE.radiance_max);
+    let [step, light_step] =
+        [SCALE.attribute_points, SCALE.light_points].map(|n| f64::from(n) / 2f64.powi(30));
+    let [emission_step, light_step] = [step, light_step].map(|step| step * f64::from(SCALE.radiance_max));
     let (volume, light) = (world.read(gpu)?, world.light.read_back(gpu)?);
     let stored = [NORMAL, ALBEDO, EMISSION].map(|name| channel(&volume, name));
     let (mut occupied, mut uncertain) = (0, 0);
@@ -140,7 +141,7 @@ fn check_injection(gpu: &Gpu, world: &World, shots: &[&Shot], stride: u32, name:
             uncertain += 1;
             continue;
         }
-        for (i, step) in [step, step, radiance_step].into_iter().enumerate() {
+        for (i, step) in [step, step, emission_step].into_iter().enumerate() {
             let mean = sums.attributes[i] / sums.count;
             let got = stored[i][index];
             let equal = (0..3).all(|a| is_mean(got[a], mean[a], step));
@@ -148,7 +149,7 @@ fn check_injection(gpu: &Gpu, world: &World, shots: &[&Shot], stride: u32, name:
         }
         for (band, (got, sum)) in light[index].into_iter().zip(sums.light).enumerate() {
             let mean = sum / sums.count;
-            let equal = (0..4).all(|c| is_mean(got[c], mean[c], radiance_step));
+            let equal = (0..4).all(|c| is_mean(got[c], mean[c], light_step));
             assert!(equal, "{name}, {cell}: light {band} is {got}, should be {mean}");
         }
     }

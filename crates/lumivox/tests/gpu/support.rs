@@ -11,8 +11,9 @@ use lumivox::light::IndirectLight;
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive, ViewInput, ViewTextures};
 use lumivox::wgpu;
 
-/// The largest frame here: two lamps and a camera.
-pub(crate) const SCALE: InjectionScale = InjectionScale { total_points: 16_384, radiance_max: 4.0 };
+/// The largest frame here, two lamps and a camera, and the largest view.
+pub(crate) const SCALE: InjectionScale =
+    InjectionScale { attribute_points: 20_480, light_points: 16_384, radiance_max: 4.0 };
 
 /// The stages for one grid size.
 pub(crate) struct Stages {
@@ -91,20 +92,35 @@ impl World {
         lamps: &[&Shot],
         camera: Option<&Shot>,
     ) -> Result<(), GpuError> {
-        let mut stages = locked(&self.stages);
-        let progressive = &mut stages.progressive;
-        run(gpu, |e| {
-            progressive.record_begin(e, &mut self.light);
+        self.inject_with(gpu, |progressive, e, volume, light| {
             for lamp in lamps {
-                progressive.record_light(gpu, e, [&lamp.input], &self.volume, &mut self.light)?;
+                progressive.record_light(gpu, e, [&lamp.input], volume, light)?;
             }
             if let Some(camera) = camera {
-                progressive.record_camera(gpu, e, &camera.input, &self.volume, &mut self.light)?;
+                progressive.record_camera(gpu, e, &camera.input, volume, light)?;
             }
             match lamps.first().copied().or(camera) {
-                Some(any) => progressive.record_end(gpu, e, &any.input, &mut self.volume),
+                Some(any) => progressive.record_end(gpu, e, &any.input, volume),
                 None => Ok(()),
             }
+        })
+    }
+
+    /// Injection of a frame as the test records it, after its beginning.
+    pub(crate) fn inject_with(
+        &mut self,
+        gpu: &Gpu,
+        record: impl FnOnce(
+            &mut Progressive,
+            &mut wgpu::CommandEncoder,
+            &mut VolumeBuffer,
+            &mut DirectLight,
+        ) -> Result<(), GpuError>,
+    ) -> Result<(), GpuError> {
+        let progressive = &mut locked(&self.stages).progressive;
+        run(gpu, |e| {
+            progressive.record_begin(e, &mut self.light);
+            record(progressive, e, &mut self.volume, &mut self.light)
         })
     }
 
