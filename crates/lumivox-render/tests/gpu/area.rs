@@ -28,7 +28,7 @@ const ALBEDO: f32 = 0.5028865;
 const PLANE_SIDE: f32 = 4.0;
 const SHADE: (Vec3, f32) = (Vec3::new(0.1, 0.8, 0.0), 0.9);
 /// Points of the CPU's integral along each side of a light.
-const POINTS: usize = 24;
+const POINTS: usize = 64;
 
 const ORIGIN: Vec3 = Vec3::new(-0.5, 2.0, 0.3);
 const U: Vec3 = Vec3::new(0.8, 0.0, 0.0);
@@ -112,8 +112,9 @@ fn rect_light(gpu: &Gpu, shade: Option<(Vec3, f32)>) -> Result<(), Failed> {
         ALBEDO / PI * sum * RADIANCE
     };
     let (mean, worst) = errors(&seen, &shown_points(&settings, shade), expected)?;
-    // A step of the soft shadow is 1/64 of the light, a texel of its maps 0.8 cm here, and its penumbra half a metre wide.
-    let (mean_bound, worst_bound) = if shade.is_some() { (0.005, 0.05) } else { (0.003, 0.01) };
+    // A step of the soft shadow is 1/64 of the light, and the shadow test reaches 0.9 cm into a penumbra half a metre wide: 3.4
+    // percent of a light that is up to 1.7 times as bright as on average.
+    let (mean_bound, worst_bound) = if shade.is_some() { (0.005, 0.06) } else { (0.003, 0.01) };
     assert!(mean < mean_bound && worst < worst_bound, "mean {mean:.4}, worst {worst:.4}");
     Ok(())
 }
