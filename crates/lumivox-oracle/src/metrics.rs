@@ -68,11 +68,7 @@ pub fn compare(
     reference: &Picture,
     foreground: &[bool],
 ) -> Result<PictureDifference, MetricsError> {
-    check(ours, reference, foreground)?;
-    let mean = mean(reference, foreground);
-    if mean <= 0.0 {
-        return Err(MetricsError::Black);
-    }
+    let mean = checked_mean(ours, reference, foreground)?;
     let mut errors = errors(ours, reference, foreground);
     let nrmse = rms(&errors) / mean;
     errors.sort_by(f64::total_cmp);
@@ -89,6 +85,20 @@ pub fn compare(
     })
 }
 
+/// The NRMSE alone, as [`compare`] gives it.
+///
+/// # Errors
+/// As for [`compare`].
+pub fn nrmse(ours: &Picture, reference: &Picture, foreground: &[bool]) -> Result<f64, MetricsError> {
+    let mean = checked_mean(ours, reference, foreground)?;
+    Ok(rms(&errors(ours, reference, foreground)) / mean)
+}
+
+/// Mean of a picture's foreground over all channels; zero without foreground.
+pub fn foreground_mean(picture: &Picture, foreground: &[bool]) -> f64 {
+    if foreground.contains(&true) { mean(picture, foreground) } else { 0.0 }
+}
+
 /// What the standard errors of a reference's pixels contribute to an NRMSE at most:
 /// `sqrt(mean over pixels and channels of error^2) / mean(R)`.
 ///
@@ -99,11 +109,7 @@ pub fn noise(
     reference: &Picture,
     foreground: &[bool],
 ) -> Result<f64, MetricsError> {
-    check(standard_error, reference, foreground)?;
-    let mean = mean(reference, foreground);
-    if mean <= 0.0 {
-        return Err(MetricsError::Black);
-    }
+    let mean = checked_mean(standard_error, reference, foreground)?;
     let squares = kept(standard_error, foreground).map(|p| p.as_dvec3().length_squared() / 3.0);
     let squares: Vec<f64> = squares.collect();
     Ok((squares.iter().sum::<f64>() / squares.len() as f64).sqrt() / mean)
@@ -152,6 +158,13 @@ fn check(a: &Picture, b: &Picture, foreground: &[bool]) -> Result<(), MetricsErr
         }
     }
     Ok(())
+}
+
+/// The reference's mean, above zero, of two pictures that can be compared.
+fn checked_mean(a: &Picture, reference: &Picture, foreground: &[bool]) -> Result<f64, MetricsError> {
+    check(a, reference, foreground)?;
+    let mean = mean(reference, foreground);
+    if mean > 0.0 { Ok(mean) } else { Err(MetricsError::Black) }
 }
 
 fn kept<'a>(picture: &'a Picture, foreground: &'a [bool]) -> impl Iterator<Item = Vec3> + 'a {
@@ -248,6 +261,8 @@ mod tests {
         for value in [d.nrmse, d.trimmed, d.low_frequency] {
             assert!((value - 0.25).abs() < 1e-6, "{d:?}");
         }
+        assert_eq!(nrmse(&ours, &reference, &all(&reference)), Ok(d.nrmse));
+        assert!((foreground_mean(&ours, &all(&ours)) - 1.1 / 3.0).abs() < 1e-6);
         assert!((d.mean_ratio - 1.1 / 1.2).abs() < 1e-6);
         assert!(d.flip > 0.05 && d.flip < 1.0);
     }

@@ -14,6 +14,7 @@
 //!   to the origin may close.
 
 mod camera;
+mod film;
 mod geometry;
 mod lights;
 mod path;
@@ -32,6 +33,7 @@ use path::{Gathered, gather};
 use random::Random;
 use world::{Surface, World};
 
+pub use film::Film;
 pub use render::{Layer, PixelFilter, Rendering, Settings};
 
 /// A scene ready to be rendered.

@@ -1,15 +1,6 @@
-//! Pictures: paths for each pixel, pixels in parallel, layers apart.
+//! Pictures: layers apart, each with its standard error.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-
-use glam::{Vec2, Vec3};
-use rayon::prelude::*;
-
-use super::camera::Pinhole;
-use super::path::{Gathered, gather};
-use super::random::Random;
-use super::world::World;
-use super::{Sum, Tracer};
+use super::Tracer;
 use crate::picture::Picture;
 use crate::scene::{Camera, SceneError};
 
@@ -100,78 +91,11 @@ impl Tracer<'_> {
         settings: &Settings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Rendering, SceneError> {
-        let Settings { width, height, samples, .. } = *settings;
-        if width == 0 || height == 0 || samples == 0 {
+        if settings.samples == 0 {
             return Err(SceneError::EmptyPicture);
         }
-        let pinhole = Pinhole::new(camera, Vec2::new(width as f32, height as f32))?;
-        let done = AtomicU32::new(0);
-        let rows = (0..height).into_par_iter().map(|y| {
-            let row: Vec<Pixel> =
-                (0..width).map(|x| Pixel::trace(&self.world, &pinhole, settings, x, y)).collect();
-            progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / f64::from(height));
-            row
-        });
-        let pixels: Vec<Pixel> = rows.collect::<Vec<_>>().into_iter().flatten().collect();
-        let picture = |value: &dyn Fn(&Pixel) -> Vec3| Picture {
-            width,
-            height,
-            pixels: pixels.iter().map(value).collect(),
-        };
-        let layer = |n: usize| Layer {
-            radiance: picture(&|p| p.radiance[n].mean(samples)),
-            irradiance: picture(&|p| p.irradiance[n].mean(p.hits)),
-            radiance_error: picture(&|p| p.radiance[n].error(samples)),
-            irradiance_error: picture(&|p| {
-                if p.hits == 0 { Vec3::ZERO } else { p.irradiance[n].error(p.hits) }
-            }),
-        };
-        Ok(Rendering {
-            direct: layer(0),
-            first_bounce: layer(1),
-            indirect: layer(2),
-            emitted: picture(&|p| p.emitted.mean(samples)),
-            albedo: picture(&|p| p.albedo.mean(p.hits)),
-            coverage: pixels.iter().map(|p| p.hits as f32 / samples as f32).collect(),
-        })
-    }
-}
-
-/// Sums over the paths of one pixel.
-#[derive(Clone, Default)]
-struct Pixel {
-    radiance: [Sum; 3],
-    irradiance: [Sum; 3],
-    emitted: Sum,
-    albedo: Sum,
-    hits: u32,
-}
-
-impl Pixel {
-    fn trace(world: &World<'_>, pinhole: &Pinhole, settings: &Settings, x: u32, y: u32) -> Self {
-        let mut pixel = Self::default();
-        let mut random = Random::new(settings.seed, u64::from(y) << 32 | u64::from(x));
-        for _ in 0..settings.samples {
-            let within = match settings.filter {
-                PixelFilter::Box => random.square(),
-                PixelFilter::Center => Vec2::splat(0.5),
-            };
-            let direction = pinhole.direction(Vec2::new(x as f32, y as f32) + within);
-            let Some(surface) = world.trace(pinhole.eye, direction, false) else {
-                pixel.emitted.add(world.sky);
-                continue;
-            };
-            pixel.hits += 1;
-            pixel.emitted.add(surface.emission);
-            pixel.albedo.add(surface.albedo);
-            let Gathered { direct, first_bounce, indirect } =
-                gather(world, surface, settings.bounces, &mut random);
-            let reflected = surface.albedo / std::f32::consts::PI;
-            for (n, irradiance) in [direct, first_bounce, indirect].into_iter().enumerate() {
-                pixel.irradiance[n].add(irradiance);
-                pixel.radiance[n].add(reflected * irradiance);
-            }
-        }
-        pixel
+        let mut film = self.film(camera, settings)?;
+        film.expose(settings.samples, progress);
+        Ok(film.rendering())
     }
 }

@@ -123,6 +123,28 @@ fn same_seed_same_bits_whatever_the_number_of_threads() {
 }
 
 #[test]
+fn rounds_add_up_to_one_long_exposure() {
+    let scene = small_room();
+    let tracer = Tracer::new(&scene).unwrap();
+    for filter in [PixelFilter::Box, PixelFilter::Center] {
+        let settings = Settings { width: 16, height: 12, samples: 13, filter, ..Settings::default() };
+        let mut film = tracer.film(&ROOM_CAMERA, &settings).unwrap();
+        assert_eq!(film.rendering().direct.radiance.mean(), Vec3::ZERO);
+        let mut heard = Vec::new();
+        for round in [1, 4, 8] {
+            let most = std::sync::Mutex::new(0.0f64);
+            film.expose(round, &|share| {
+                let mut most = most.lock().unwrap();
+                *most = most.max(share);
+            });
+            heard.push(most.into_inner().unwrap());
+        }
+        assert_eq!((film.samples(), heard), (13, vec![1.0; 3]));
+        assert_eq!(film.rendering(), tracer.render(&ROOM_CAMERA, &settings, &|_| {}).unwrap());
+    }
+}
+
+#[test]
 fn standard_errors_are_those_of_repeated_pictures() {
     let scene = small_room();
     let tracer = Tracer::new(&scene).unwrap();
