@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     /// Render one picture of a scene, or a series.
     Render(RenderArgs),
+    /// Hold our light against a path tracer's, or another renderer's: errors, pictures, differences.
+    Compare(crate::compare::CompareArgs),
     /// Show the adapters, their tier and limits, and the largest grids that fit.
     Info(InfoArgs),
 }

@@ -2,6 +2,7 @@
 
 mod args;
 mod clock;
+mod compare;
 mod demo;
 mod framing;
 mod info;
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
     let result = match &arguments.command {
         args::Command::Demo(demo) => demo::run(demo),
         args::Command::Render(render) => render::run(render),
+        args::Command::Compare(compare) => compare::run(compare),
         args::Command::Info(info) => info::run(info),
     };
     match result {

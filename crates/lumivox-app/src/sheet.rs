@@ -26,6 +26,25 @@ pub(crate) fn contact_sheet(rows: &[(&str, Vec<RgbImage>)], titles: &[&str]) -> 
     sheet
 }
 
+/// Pictures of one size, row by row, each with two lines of its own above it.
+pub(crate) fn captioned_sheet(rows: &[Vec<([String; 2], RgbImage)>]) -> RgbImage {
+    let (width, height) = rows.first().and_then(|r| r.first()).map_or((1, 1), |(_, p)| p.dimensions());
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0) as u32;
+    let tile = (width + MARGIN, height + 2 * HEADER);
+    let size = (MARGIN + columns * tile.0, rows.len() as u32 * tile.1 + MARGIN);
+    let mut sheet = RgbImage::from_pixel(size.0, size.1, PAPER);
+    for (r, row) in rows.iter().enumerate() {
+        for (c, (captions, picture)) in row.iter().enumerate() {
+            let (left, top) = (MARGIN + c as u32 * tile.0, r as u32 * tile.1);
+            for (line, caption) in captions.iter().enumerate() {
+                write_text(&mut sheet, caption, left, top + 16 + 12 * line as u32, 1);
+            }
+            image::imageops::replace(&mut sheet, picture, left.into(), (top + 2 * HEADER).into());
+        }
+    }
+    sheet
+}
+
 /// Two pictures side by side with their names on them.
 pub(crate) fn side_by_side(left: (&str, &RgbImage), right: (&str, &RgbImage)) -> RgbImage {
     let (width, height) = left.1.dimensions();

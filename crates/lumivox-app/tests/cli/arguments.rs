@@ -7,14 +7,22 @@ use crate::support::Folder;
 pub(crate) fn no_arguments() -> Result<(), Failed> {
     let run = Folder::new().line("");
     assert_eq!(run.status, Some(2));
-    for word in ["Usage: lumivox", "demo", "render", "info"] {
+    for word in ["Usage: lumivox", "demo", "render", "compare", "info"] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
     }
     Ok(())
 }
 
 pub(crate) fn help() -> Result<(), Failed> {
-    for arguments in ["--help", "--version", "help render", "demo --help", "render --help", "info --help"] {
+    for arguments in [
+        "--help",
+        "--version",
+        "help render",
+        "demo --help",
+        "render --help",
+        "compare --help",
+        "info --help",
+    ] {
         let run = Folder::new().line(arguments);
         assert!(!run.succeeded().stdout.is_empty() && run.stderr.is_empty(), "{arguments}");
     }
@@ -54,6 +62,10 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
         ("render builtin:cornell -o x.png --tier best", vec!["'best'", "--tier", "core"]),
         ("render builtin:cornell -o x.png --exposure inf", vec!["inf", "--exposure"]),
         ("render builtin:cornell -o x.png --exposure bright", vec!["bright", "--exposure"]),
+        ("compare", vec!["<SCENE>"]),
+        ("compare builtin:cornell --max-samples 1", vec!["'1'", "--max-samples"]),
+        ("compare builtin:cornell --max-seconds 0", vec!["'0'", "--max-seconds"]),
+        ("compare builtin:cornell --layer direct", vec!["--layer"]),
         ("demo --frames 1", vec!["'1'", "--frames", "2..=2000"]),
         ("demo --grid 4", vec!["'4'", "--grid", "8..=2048"]),
         ("demo --size 5", vec!["'5'", "--size"]),

@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod arguments;
+mod compare;
 mod files;
 mod others;
 mod pictures;
@@ -25,6 +26,7 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("wrong outputs are named before anything is rendered", arguments::wrong_outputs),
     ("files that are no scenes are named", files::broken_files),
     ("files cut off anywhere are named", files::cut_files),
+    ("references that cannot be compared with are named", compare::wrong_references),
     ("help and version succeed", arguments::help),
 ];
 
@@ -37,6 +39,9 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("a series has a file per frame", pictures::series),
     ("every layer", pictures::layers),
     ("every voxelizer, with and without indirect light", pictures::methods),
+    ("a comparison with the path tracer", compare::against_the_tracer),
+    ("comparisons with another renderer's pictures", compare::references_from_files),
+    ("comparisons without light, bounces or a volume", compare::dark_and_unlit),
     ("a demo writes all it promises", others::demo),
     ("info tells adapters and limits", others::info),
 ];

@@ -1,0 +1,34 @@
+//! The command line of `lumivox compare`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::args::{ShotArgs, Size};
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) shot: ShotArgs,
+    /// Picture size; 480x270 unless the reference says otherwise.
+    #[arg(long)]
+    pub(crate) size: Option<Size>,
+    /// Folder for pictures, differences, sheet.png and compare.json.
+    #[arg(long, default_value = "out/compare")]
+    pub(crate) out: PathBuf,
+    /// Folder with another renderer's pictures, direct.exr and indirect.exr, instead of the path tracer's.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) reference: Option<PathBuf>,
+    /// The path tracer stops at this many paths per pixel, even if its noise is still above a quarter of the error.
+    #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    pub(crate) max_samples: u32,
+    /// The path tracer starts no round that would end after this time.
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) max_seconds: u32,
+    /// The path tracer's random numbers: same seed, same picture.
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Write what compare.json holds to this file too.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+}

@@ -1,0 +1,188 @@
+//! What `lumivox compare` measures and writes.
+
+use std::path::Path;
+
+use libtest_mimic::Failed;
+use serde_json::Value;
+
+use crate::support::{Folder, QUICK, glb, read_exr, read_json};
+
+/// Quick, and from inside the box, so that every pixel is foreground whoever looks.
+const INSIDE: &str = "compare builtin:cornell:0 --grid 16 --camera 0,1,0.9:0,0.9,-1:60";
+
+pub(crate) fn wrong_references() -> Result<(), Failed> {
+    let folder = Folder::new();
+    let compare = |reference: &str, more: &str| {
+        folder.line(&format!("{INSIDE} --out o --reference {reference} {more}"))
+    };
+    compare("nowhere", "").failed_with(&["nowhere", "no such folder"]);
+    folder.write("file", "no folder");
+    compare("file", "").failed_with(&["file", "no such folder"]);
+    std::fs::create_dir(folder.join("empty"))?;
+    compare("empty", "").failed_with(&["cannot read the reference", "direct.exr"]);
+    write_exr(&folder.join("half/direct.exr"), 8, 6, 0.5)?;
+    compare("half", "").failed_with(&["cannot read the reference", "indirect.exr"]);
+    folder.write("half/indirect.exr", b"this is no picture at all");
+    compare("half", "").failed_with(&["cannot read the reference", "indirect.exr"]);
+    write_exr(&folder.join("half/indirect.exr"), 8, 7, 0.5)?;
+    compare("half", "").failed_with(&["half", "8x6", "8x7"]);
+    write_exr(&folder.join("half/indirect.exr"), 8, 6, f32::NAN)?;
+    compare("half", "").failed_with(&["indirect.exr", "pixel 0, 0", "not finite"]);
+    write_exr(&folder.join("half/indirect.exr"), 8, 6, 0.5)?;
+    compare("half", "--size 9x6").failed_with(&["9x6", "8x6", "--size"]);
+    let left: Vec<_> = folder.files().into_iter().filter(|f| f.starts_with("o/")).collect();
+    assert!(left.is_empty(), "{left:?}");
+    Ok(())
+}
+
+fn write_exr(path: &Path, width: usize, height: usize, value: f32) -> Result<(), Failed> {
+    path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+    exr::prelude::write_rgb_file(path, width, height, |_, _| (value, value, value))
+        .map_err(|e| e.to_string())?;
+    Ok(())
+}
+
+fn comparison<'a>(report: &'a Value, layer: &str, quantity: &str) -> &'a Value {
+    let all = report["comparisons"].as_array().unwrap();
+    all.iter().find(|c| c["layer"] == layer && c["quantity"] == quantity).unwrap()
+}
+
+pub(crate) fn against_the_tracer() -> Result<(), Failed> {
+    let folder = Folder::new();
+    let line = "compare builtin:cornell:0 --size 64x48 --grid 16 --max-samples 24 --out o/c --stats s.json";
+    let run = folder.line(line);
+    for word in
+        ["path tracer, ", "direct radiance", "indirect irradiance", "trimmed", "voxels: ", "thin cells"]
+    {
+        assert!(run.succeeded().stdout.contains(word), "{}", run.stdout);
+    }
+    let mut expected = vec!["o/c/compare.json".to_owned(), "o/c/sheet.png".to_owned(), "s.json".to_owned()];
+    for what in ["ours", "reference", "difference"] {
+        for name in ["direct", "indirect", "direct_irradiance", "indirect_irradiance"] {
+            expected.extend(["exr", "png"].map(|format| format!("o/c/{what}_{name}.{format}")));
+        }
+    }
+    expected.sort();
+    assert_eq!(folder.files(), expected);
+    let report = read_json(&folder.join("o/c/compare.json"))?;
+    assert_eq!(report, read_json(&folder.join("s.json"))?);
+
+    // The box fills less than the picture; only its front edge may be another's in half a pixel.
+    let pixels = &report["foreground"];
+    assert!(pixels["both"].as_u64().is_some_and(|n| n > 2000 && n < 64 * 48), "{pixels}");
+    assert!(
+        pixels["only_ours"].as_u64() < Some(30) && pixels["only_reference"].as_u64() < Some(30),
+        "{pixels}"
+    );
+    assert_eq!(
+        (&report["reference"]["kind"], &report["reference"]["max_samples"]),
+        (&"path_tracer".into(), &24.into())
+    );
+    let samples = report["reference"]["samples"].as_u64().unwrap();
+    assert!((16..=24).contains(&samples), "{samples}");
+    for (layer, quantity) in [
+        ("direct", "radiance"),
+        ("direct", "irradiance"),
+        ("indirect", "radiance"),
+        ("indirect", "irradiance"),
+    ] {
+        let c = comparison(&report, layer, quantity);
+        for number in
+            ["mean_ours", "mean_reference", "mean_ratio", "nrmse", "trimmed", "low_frequency", "flip"]
+        {
+            assert!(c[number].as_f64().is_some_and(|n| n > 0.0 && n < 3.0), "{number} of {c}");
+        }
+        assert!(c["trimmed"].as_f64() < c["nrmse"].as_f64(), "{c}");
+        assert!(
+            c["noise"].as_f64().is_some() && c["noise_is_low"].is_boolean() && c["note"].is_null(),
+            "{c}"
+        );
+    }
+    // A spot light's direct light has no noise, and no doubt but at the edges of its shadows.
+    let direct = comparison(&report, "direct", "irradiance");
+    assert!(direct["noise"].as_f64() < Some(1e-6) && direct["noise_is_low"] == true, "{direct}");
+    assert!((direct["mean_ratio"].as_f64().unwrap() - 1.0).abs() < 0.02, "{direct}");
+    assert!(direct["trimmed"].as_f64() < Some(0.05), "{direct}");
+    let voxels = &report["voxels"];
+    assert!(voxels["recall_with_margin"].as_f64() > Some(0.99), "{voxels}");
+    assert!(voxels["strays_beyond_margin"] == 0, "{voxels}");
+
+    let file = |name: &str| read_exr(&folder.join("o/c").join(name));
+    let [ours, theirs, difference] =
+        [file("ours_direct.exr")?, file("reference_direct.exr")?, file("difference_direct.exr")?];
+    // On the lit back wall.
+    let (x, y) = (42, 19);
+    for channel in 0..3 {
+        let expected = ours[y][x][channel] - theirs[y][x][channel];
+        assert!(ours[y][x][channel] > 0.0 && (difference[y][x][channel] - expected).abs() < 1e-6);
+    }
+    Ok(())
+}
+
+/// Pictures of the tracer given back as another renderer's have the same numbers, and our own have no error.
+pub(crate) fn references_from_files() -> Result<(), Failed> {
+    let folder = Folder::new();
+    folder.line(&format!("{INSIDE} --size 32x24 --max-samples 16 --out t")).succeeded();
+    for from in ["reference", "ours"] {
+        std::fs::create_dir(folder.join(from))?;
+        for layer in ["direct", "indirect"] {
+            let picture = folder.join(&format!("t/{from}_{layer}.exr"));
+            std::fs::copy(picture, folder.join(&format!("{from}/{layer}.exr")))?;
+        }
+        folder.line(&format!("{INSIDE} --reference {from} --out from_{from}")).succeeded();
+    }
+    let [traced, theirs, own] = ["t", "from_reference", "from_ours"]
+        .map(|name| read_json(&folder.join(name).join("compare.json")).unwrap());
+    assert_eq!(
+        (&theirs["size"], &theirs["foreground"]["both"]),
+        (&serde_json::json!([32, 24]), &(32 * 24).into())
+    );
+    for layer in ["direct", "indirect"] {
+        let [traced, theirs, own] = [&traced, &theirs, &own].map(|r| comparison(r, layer, "radiance"));
+        for number in [
+            "pixels",
+            "mean_ours",
+            "mean_reference",
+            "mean_ratio",
+            "nrmse",
+            "trimmed",
+            "low_frequency",
+            "flip",
+        ] {
+            assert_eq!(traced[number], theirs[number], "{number}");
+        }
+        assert!(theirs["noise"].is_null() && theirs["noise_is_low"].is_null());
+        for (number, expected) in
+            [("mean_ratio", 1.0), ("nrmse", 0.0), ("trimmed", 0.0), ("low_frequency", 0.0)]
+        {
+            assert_eq!(own[number].as_f64(), Some(expected), "{number} of {own}");
+        }
+    }
+    // Its irradiance is radiance over albedo here and was traced there.
+    let [traced, theirs] = [&traced, &theirs].map(|r| comparison(r, "direct", "irradiance"));
+    let [a, b] = [traced, theirs].map(|c| c["mean_reference"].as_f64().unwrap());
+    assert!((a / b - 1.0).abs() < 0.03, "{a} {b}");
+    Ok(())
+}
+
+pub(crate) fn dark_and_unlit() -> Result<(), Failed> {
+    let folder = Folder::new();
+    folder.write("triangle.glb", glb());
+    let quick = || QUICK.into_iter().chain(["--max-samples", "16"]);
+    let run = folder.run(["compare", "triangle.glb", "--out", "t"].into_iter().chain(quick()));
+    assert!(run.succeeded().stderr.contains("no light"), "{}", run.stderr);
+    // One flat triangle under a sun alone: nothing bounces, and nothing divides by that.
+    let sunny = ["compare", "triangle.glb", "--out", "s", "--sun", "-1,-2,-1:9,8,7"];
+    let run = folder.run(sunny.into_iter().chain(quick()));
+    assert!(run.succeeded().stdout.contains("not compared: the reference is black"), "{}", run.stdout);
+    let report = read_json(&folder.join("s/compare.json"))?;
+    let indirect = comparison(&report, "indirect", "radiance");
+    assert!(indirect["nrmse"].is_null() && indirect["mean_reference"] == 0.0, "{indirect}");
+    // Without indirect light there is no volume.
+    let off = ["compare", "builtin:cornell:0", "--gi", "off", "--out", "o"];
+    folder.run(off.into_iter().chain(quick())).succeeded();
+    let report = read_json(&folder.join("o/compare.json"))?;
+    assert!(report["voxels"].is_null() && report["voxels_note"].is_string(), "{report}");
+    assert_eq!(comparison(&report, "indirect", "radiance")["mean_ours"], 0.0);
+    Ok(())
+}
