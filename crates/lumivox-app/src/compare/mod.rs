@@ -44,7 +44,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let oracle_camera = oracle_scene::oracle_camera(&camera);
 
     let gpu = info::open_gpu(&args.shot.gpu)?;
-    let ours = ours::render(&gpu, &scene, &args.shot, size, &camera)?;
+    let ours = ours::render(&gpu, &scene, &args.shot, (size, args.points_a_side()), &camera)?;
     let (pairs, masks, mut reference) = match files {
         Some(files) => {
             let (albedo, seen) = reference::albedo_and_foreground(&oracle_scene, &oracle_camera, args, size)?;
@@ -71,6 +71,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         scene: args.shot.scene.clone(),
         adapter: AdapterStats::new(&gpu),
         size: [size.0, size.1],
+        antialias: args.points_a_side(),
         camera: (&camera).into(),
         time_s: args.shot.time,
         triangles: scene.triangle_count(),

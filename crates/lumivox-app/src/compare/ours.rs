@@ -1,6 +1,6 @@
 //! What our renderer sees of the scene, layer by layer.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use glam::Vec3;
 use lumivox::gpu::Gpu;
 use lumivox_oracle::picture::Picture;
@@ -11,22 +11,39 @@ use crate::args::{ShotArgs, Size};
 use crate::clock;
 use crate::render::{self, Work};
 
+/// Most points along a side of the rendered picture.
+const MAX_SIDE: u32 = 8192;
+
 /// Our pictures of one settled still.
 pub(crate) struct Ours {
     pub(crate) direct: Picture,
     pub(crate) indirect: Picture,
     pub(crate) albedo: Picture,
-    /// Pixels that show a surface.
+    /// Pixels that show surfaces and nothing else.
     pub(crate) drawn: Vec<bool>,
     pub(crate) work: Work,
     pub(crate) millis: f64,
     pub(crate) renderer: Renderer,
 }
 
-/// Renders a still as `lumivox render` does, and reads its layers.
-pub(crate) fn render(gpu: &Gpu, scene: &Scene, shot: &ShotArgs, size: Size, camera: &Camera) -> Result<Ours> {
+/// Renders a still as `lumivox render` does, `points` times as wide and high, and reads its layers.
+pub(crate) fn render(
+    gpu: &Gpu,
+    scene: &Scene,
+    shot: &ShotArgs,
+    (size, points): (Size, u32),
+    camera: &Camera,
+) -> Result<Ours> {
     let start = clock::millis();
-    let settings = render::settings(shot, size, Layer::Direct, true);
+    let fine = Size(size.0 * points, size.1 * points);
+    if fine.0.max(fine.1) > MAX_SIDE {
+        bail!(
+            "{}x{} pixels with --antialias {points} are more than {MAX_SIDE} points a side",
+            size.0,
+            size.1
+        );
+    }
+    let settings = render::settings(shot, fine, Layer::Direct, true);
     let mut renderer = Renderer::new(gpu, scene, settings)?;
     let mut work = Work::default();
     render::still(&mut renderer, shot.iterations, camera, Some(clock::millis), &mut work)?;
@@ -34,11 +51,36 @@ pub(crate) fn render(gpu: &Gpu, scene: &Scene, shot: &ShotArgs, size: Size, came
     let mut read = |layer| -> Result<Picture> {
         renderer.set_layer(layer);
         renderer.settle(0, None)?;
-        Ok(Picture { width: size.0, height: size.1, pixels: renderer.read_picture()? })
+        Ok(Picture { width: fine.0, height: fine.1, pixels: renderer.read_picture()? })
     };
-    let [direct, indirect] = [read(Layer::Direct)?, read(Layer::Indirect)?];
-    let [albedo, normal] = [read(Layer::Albedo)?, read(Layer::Normal)?];
+    let [direct, indirect] = [read(Layer::Direct)?, read(Layer::Indirect)?].map(|p| averaged(&p, points));
+    let albedo = averaged(&read(Layer::Albedo)?, points);
     // Shown as 0..1 a normal is never zero in all of its components; the background is.
-    let drawn = normal.pixels.iter().map(|n| *n != Vec3::ZERO).collect();
+    let mut normal = read(Layer::Normal)?;
+    normal.pixels.iter_mut().for_each(|n| *n = if *n == Vec3::ZERO { Vec3::ZERO } else { Vec3::ONE });
+    let drawn = averaged(&normal, points).pixels.iter().map(|share| share.x > 0.999).collect();
     Ok(Ours { direct, indirect, albedo, drawn, work, millis, renderer })
+}
+
+/// Means of `points` x `points` pixels.
+fn averaged(fine: &Picture, points: u32) -> Picture {
+    let weight = 1.0 / (points * points) as f32;
+    Picture::from_fn(fine.width / points, fine.height / points, |x, y| {
+        let square = (0..points).flat_map(|j| (0..points).map(move |i| (points * x + i, points * y + j)));
+        weight * square.map(|(x, y)| fine.at(x, y)).sum::<Vec3>()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_the_means_of_their_points() {
+        let fine = Picture::from_fn(6, 4, |x, y| Vec3::new(x as f32, y as f32, 1.0));
+        let coarse = averaged(&fine, 2);
+        assert_eq!((coarse.width, coarse.height), (3, 2));
+        assert_eq!(coarse.at(2, 1), Vec3::new(4.5, 2.5, 1.0));
+        assert_eq!(averaged(&fine, 1), fine);
+    }
 }

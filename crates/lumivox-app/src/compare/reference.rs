@@ -87,7 +87,7 @@ pub(crate) struct Traced {
     pub(crate) seconds: f64,
 }
 
-/// Traces paths through pixel centres in rounds, each as long as all before it, until `quiet` says that the noise is
+/// Traces paths, through pixel centres unless ours is antialiased, in rounds, each as long as all before it, until `quiet` says that the noise is
 /// low or a limit is reached.
 pub(crate) fn trace(
     scene: &Scene,
@@ -101,7 +101,7 @@ pub(crate) fn trace(
         width: size.0,
         height: size.1,
         seed: args.seed,
-        filter: PixelFilter::Center,
+        filter: if args.points_a_side() > 1 { PixelFilter::Box } else { PixelFilter::Center },
         ..tracer::Settings::default()
     };
     let tracer = Tracer::new(scene)?;

@@ -16,6 +16,8 @@ pub(crate) struct Report {
     pub(crate) scene: String,
     pub(crate) adapter: AdapterStats,
     pub(crate) size: [u32; 2],
+    /// Points to a pixel, along each side.
+    pub(crate) antialias: u32,
     pub(crate) camera: CameraStats,
     pub(crate) time_s: f32,
     pub(crate) triangles: u64,
