@@ -77,7 +77,6 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         triangles: scene.triangle_count(),
         lights: scene.lights.len(),
         sky: scene.sky.into(),
-        ignored_lights: stats::ignored_lights(&scene),
         grid: grid.dims.to_array(),
         cell_size_m: grid.cell_size,
         voxelizer: format!("{:?}", settings.voxels),

@@ -23,7 +23,6 @@ pub(crate) struct Report {
     pub(crate) triangles: u64,
     pub(crate) lights: usize,
     pub(crate) sky: [f32; 3],
-    pub(crate) ignored_lights: usize,
     pub(crate) grid: [u32; 3],
     pub(crate) cell_size_m: f32,
     pub(crate) voxelizer: String,
