@@ -18,6 +18,8 @@ pub struct Limits {
     pub nodes: u64,
     /// Nodes above one another.
     pub node_depth: u64,
+    /// Keyframes of one scene, times and values counted each.
+    pub keyframes: u64,
     /// Pixels of one image as stored in its file.
     pub image_pixels: u64,
     /// Pixels of all textures of one scene as they are kept.
@@ -36,6 +38,7 @@ impl Default for Limits {
             meshes: 100_000,
             nodes: 200_000,
             node_depth: 128,
+            keyframes: 20_000_000,
             image_pixels: 1 << 27,
             texture_pixels: 1 << 28,
             texture_side: 2048,

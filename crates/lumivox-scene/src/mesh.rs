@@ -55,6 +55,8 @@ pub(crate) struct RawMesh {
     pub(crate) normals: Vec<[f32; 3]>,
     pub(crate) uvs: Vec<[f32; 2]>,
     pub(crate) colors: Vec<[f32; 4]>,
+    /// Numbers of the vertices in the file, for what is stated per vertex but kept elsewhere.
+    pub(crate) origins: Vec<u32>,
     pub(crate) indices: Vec<[u32; 3]>,
     pub(crate) material: usize,
 }
@@ -70,6 +72,7 @@ impl RawMesh {
             ("normals", self.normals.len()),
             ("texture coordinates", self.uvs.len()),
             ("colours", self.colors.len()),
+            ("numbers", self.origins.len()),
         ] {
             if len != 0 && len != count {
                 return Err(malformed(format!(
@@ -87,7 +90,16 @@ impl RawMesh {
     }
 
     /// Drops what is not finite, fills what is absent and makes the normals unit.
-    pub(crate) fn into_mesh(mut self, shading: Shading, report: &mut ImportReport) -> Mesh {
+    pub(crate) fn into_mesh(self, shading: Shading, report: &mut ImportReport) -> Mesh {
+        self.into_mesh_and_origins(shading, report).0
+    }
+
+    /// [`RawMesh::into_mesh`], and where its vertices come from.
+    pub(crate) fn into_mesh_and_origins(
+        mut self,
+        shading: Shading,
+        report: &mut ImportReport,
+    ) -> (Mesh, Vec<u32>) {
         self.drop_non_finite(report);
         let keeps_normals = shading != Shading::Flat && !self.normals.is_empty();
         if !keeps_normals {
@@ -103,8 +115,8 @@ impl RawMesh {
         self.colors.resize(count, [1.0; 4]);
         self.uvs.iter_mut().flatten().filter(|v| !v.is_finite()).for_each(|v| *v = 0.0);
         self.colors.iter_mut().flatten().filter(|v| !v.is_finite()).for_each(|v| *v = 1.0);
-        let Self { name, positions, normals, uvs, colors, indices, material } = self;
-        Mesh { name, positions, normals, uvs, colors, indices, material }
+        let Self { name, positions, normals, uvs, colors, origins, indices, material } = self;
+        (Mesh { name, positions, normals, uvs, colors, indices, material }, origins)
     }
 
     fn drop_non_finite(&mut self, report: &mut ImportReport) {
@@ -134,6 +146,7 @@ impl RawMesh {
         keep(&mut self.normals, &good);
         keep(&mut self.uvs, &good);
         keep(&mut self.colors, &good);
+        keep(&mut self.origins, &good);
     }
 
     /// Gives each triangle its own three vertices and its face normal.
@@ -150,6 +163,7 @@ impl RawMesh {
         self.positions = spread(&self.positions, &self.indices);
         self.uvs = spread(&self.uvs, &self.indices);
         self.colors = spread(&self.colors, &self.indices);
+        self.origins = spread(&self.origins, &self.indices);
         self.indices = (0..self.indices.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     }
 
@@ -194,7 +208,7 @@ fn face_vector(positions: &[[f32; 3]], t: &[u32; 3]) -> DVec3 {
 }
 
 /// Unit normal of a triangle; up for one without area.
-fn face_normal(positions: &[[f32; 3]], t: &[u32; 3]) -> Vec3 {
+pub(crate) fn face_normal(positions: &[[f32; 3]], t: &[u32; 3]) -> Vec3 {
     let v = face_vector(positions, t);
     // A plain `try_normalize` squares the length, which underflows for the smallest triangles.
     let largest = v.abs().max_element();

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 use lumivox_scene::{Scene, load};
 
@@ -47,6 +48,33 @@ const COUNTS: &[(&str, u64)] = &[
     ("animated/RiggedFigure.glb", 256),
 ];
 
+/// What is known of an animated file.
+struct Animated {
+    file: &'static str,
+    /// Name and seconds of each clip.
+    clips: &'static [(&'static str, f32)],
+    /// Corners of the box at rest.
+    rest: [[f32; 3]; 2],
+}
+
+const ANIMATED: &[Animated] = &[
+    Animated {
+        file: "animated/Fox.glb",
+        clips: &[("Survey", 3.416_667), ("Walk", 0.708_333), ("Run", 1.158_333)],
+        rest: [[-12.59, -0.1217, -88.1], [12.59, 78.91, 66.62]],
+    },
+    Animated {
+        file: "animated/CesiumMan.glb",
+        clips: &[("", 2.0)],
+        rest: [[-0.5691, 0.0, -0.131], [0.5691, 1.507, 0.181]],
+    },
+    Animated {
+        file: "animated/RiggedFigure.glb",
+        clips: &[("", 1.25)],
+        rest: [[-0.5895, 0.0, -0.1309], [0.5895, 1.45, 0.195]],
+    },
+];
+
 /// A test of the folder's content.
 type Test = Box<dyn FnOnce(&Path) -> Result<(), Failed> + Send>;
 
@@ -64,6 +92,12 @@ fn main() -> ExitCode {
     };
     for &(file, triangles) in COUNTS {
         add(format!("counts of {file}"), Box::new(move |folder| counts(&folder.join(file), triangles)));
+    }
+    for known in ANIMATED {
+        add(
+            format!("motion of {}", known.file),
+            Box::new(move |folder| motion(known, &folder.join(known.file))),
+        );
     }
     add("every nasty file ends well".to_owned(), Box::new(|folder| nasty(&folder.join("nasty"))));
     libtest_mimic::run(&args, trials).exit_code()
@@ -101,6 +135,58 @@ fn check_sound(scene: &Scene) -> Result<(), Failed> {
     }
     if scene.instances.iter().any(|i| i.mesh >= scene.meshes.len() || !i.world_from_local.is_finite()) {
         return Err("an instance is out of range or not finite".into());
+    }
+    Ok(())
+}
+
+fn expect(holds: bool, what: impl FnOnce() -> String) -> Result<(), Failed> {
+    if holds { Ok(()) } else { Err(what().into()) }
+}
+
+/// Clips, the box at rest, and what holds at every moment: finite, unit normals, within the box in motion, no jumps.
+fn motion(known: &Animated, path: &Path) -> Result<(), Failed> {
+    let rest = load(&path.display().to_string()).map_err(|e| e.to_string())?;
+    let clips: Vec<(&str, f32)> = rest.clips().iter().map(|c| (c.name.as_str(), c.duration)).collect();
+    let same = |(a, b): (&(&str, f32), &(&str, f32))| a.0 == b.0 && (a.1 - b.1).abs() < 1e-5;
+    expect(clips.len() == known.clips.len() && clips.iter().zip(known.clips).all(same), || {
+        format!("{clips:?}")
+    })?;
+    expect(rest.report.warnings.is_empty(), || format!("{:?}", rest.report))?;
+    let bounds = rest.bounds();
+    let size = bounds.size().max_element();
+    let [low, high] = known.rest.map(Vec3::from);
+    expect(bounds.min.abs_diff_eq(low, 1e-3 * size) && bounds.max.abs_diff_eq(high, 1e-3 * size), || {
+        format!("{bounds:?} at rest")
+    })?;
+    for (c, clip) in rest.clips().iter().enumerate() {
+        let whole = rest.bounds_in_motion(c);
+        expect(whole.contains(bounds.min) && whole.contains(bounds.max), || format!("{whole:?}"))?;
+        expect(rest.pose(c, 0.0) == rest.pose(c, clip.duration), || "the ends do not meet".to_owned())?;
+        let mut scene = rest.clone();
+        const STEPS: u32 = 64;
+        for i in 0..STEPS {
+            let t = clip.duration * i as f32 / STEPS as f32;
+            let pose = rest.pose(c, t);
+            expect(pose == rest.pose(c, t), || format!("{t}: two poses of one moment differ"))?;
+            scene.apply(&pose);
+            check_sound(&scene)?;
+            let now = scene.bounds();
+            let slack = 0.01 * size;
+            expect(whole.min.cmple(now.min + slack).all() && whole.max.cmpge(now.max - slack).all(), || {
+                format!("{t}: {now:?} is outside of {whole:?}")
+            })?;
+            if clip.name == "Walk" {
+                // Walking on the spot, on y = 0: some paw is always down, and none reaches far below.
+                expect(now.min.y.abs() < 0.03 * size, || format!("{t}: lowest point at {}", now.min.y))?;
+            }
+            let soon = rest.pose(c, t + 1e-3);
+            let furthest = pose.deformed.iter().zip(&soon.deformed).flat_map(|(a, b)| {
+                a.positions.iter().zip(&b.positions).map(|(a, b)| Vec3::from(*a).distance((*b).into()))
+            });
+            let furthest = furthest.fold(0.0, f32::max);
+            // Ten times the size of the whole within a second is more than any limb does.
+            expect(furthest < 0.01 * size, || format!("{t}: a vertex jumps by {furthest}"))?;
+        }
     }
     Ok(())
 }

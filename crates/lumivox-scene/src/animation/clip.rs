@@ -12,20 +12,20 @@ pub struct Clip {
     pub name: String,
     /// Seconds after which it begins anew: above zero, finite.
     pub duration: f32,
-    pub(super) channels: Vec<Channel>,
+    pub(crate) channels: Vec<Channel>,
 }
 
 /// A track and what it moves.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Channel {
-    pub(super) target: Target,
-    pub(super) track: Track,
+pub(crate) struct Channel {
+    pub(crate) target: Target,
+    pub(crate) track: Track,
     /// Seconds after which the track begins anew within the clip.
-    pub(super) period: Option<f32>,
+    pub(crate) period: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Target {
+pub(crate) enum Target {
     Node(usize),
     Light(usize),
 }
@@ -68,7 +68,7 @@ impl Clip {
         self
     }
 
-    pub(super) fn add(&mut self, channel: Channel) {
+    pub(crate) fn add(&mut self, channel: Channel) {
         self.channels.push(channel);
         let end = self.channels.iter().map(|c| c.track.end()).fold(0.0, f32::max);
         self.duration = if end > 0.0 { end } else { STILL_SECONDS };

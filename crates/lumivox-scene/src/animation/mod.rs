@@ -20,17 +20,18 @@
 //! assert!(position.abs_diff_eq(Vec3::NEG_Z, 1e-6));
 //! ```
 
-#![allow(dead_code)] // Until the importers use all of it.
-
 mod clip;
+pub(crate) mod deform;
 mod motion_bounds;
 mod pose;
-mod rig;
+pub(crate) mod rig;
 mod track;
 mod transform;
 
 pub use clip::Clip;
+pub(crate) use clip::{Channel, Target};
 pub use pose::{DeformedMesh, Pose};
 pub use rig::{Animation, NodeId};
+pub(crate) use track::Property;
 pub use track::{Interpolation, Track};
 pub use transform::Transform;

@@ -1,8 +1,11 @@
 //! Where everything stands at one moment.
 
+use std::collections::HashMap;
+
 use glam::{Mat4, Quat, Vec3};
 
 use super::clip::{Channel, Target};
+use super::deform::Body;
 use super::rig::{HungCamera, Node};
 use super::track::Property;
 use super::{Animation, Clip, Transform};
@@ -48,7 +51,7 @@ impl Scene {
         let moment = clip.map(|c| Moment::new(&self.animation, c, seconds));
         Pose {
             world_from_local: self.posed_instances(moment.as_ref()),
-            deformed: Vec::new(),
+            deformed: self.deformed(moment.as_ref()),
             lights: self.posed_lights(moment.as_ref()),
             cameras: self.posed_cameras(moment.as_ref()),
         }
@@ -74,10 +77,28 @@ impl Scene {
         let mut all: Vec<Mat4> = self.instances.iter().map(|i| i.world_from_local).collect();
         for hung in &self.animation.instances {
             let Some(slot) = all.get_mut(hung.instance) else { continue };
-            let moved = moment.map(|m| m.world_from_node[hung.node] * hung.node_from_local);
+            let moved = moment.map(|m| m.world(hung.outer) * m.world(hung.node) * hung.node_from_local);
             *slot = moved.filter(|m| m.is_finite()).unwrap_or(hung.rest);
         }
         all
+    }
+
+    fn deformed(&self, moment: Option<&Moment>) -> Vec<DeformedMesh> {
+        let animation = &self.animation;
+        if animation.bodies.is_empty() {
+            return Vec::new();
+        }
+        let rest;
+        let moment = match moment {
+            Some(moment) => moment,
+            None => {
+                rest = Moment::rest(animation);
+                &rest
+            }
+        };
+        let fits =
+            |b: &&Body| self.meshes.get(b.mesh).is_some_and(|m| m.positions.len() == b.positions.len());
+        animation.bodies.iter().filter(fits).map(|b| b.posed(animation, moment)).collect()
     }
 
     fn posed_lights(&self, moment: Option<&Moment>) -> Vec<Light> {
@@ -110,13 +131,15 @@ pub(super) struct Moment {
     pub(super) world_from_node: Vec<Mat4>,
     /// Light and factor.
     brightness: Vec<(usize, f32)>,
+    /// Factors of morph targets by node, where a track states them.
+    pub(super) weights: HashMap<usize, Vec<f32>>,
 }
 
 impl Moment {
     pub(super) fn new(animation: &Animation, clip: &Clip, seconds: f32) -> Self {
         let seconds = clip.wrapped(seconds);
         let mut moved: Vec<Option<Transform>> = vec![None; animation.nodes.len()];
-        let mut brightness = Vec::new();
+        let (mut brightness, mut weights) = (Vec::new(), HashMap::new());
         for Channel { target, track, period } in &clip.channels {
             let t = period.map_or(seconds, |p| seconds.rem_euclid(p));
             match (*target, track.property) {
@@ -124,6 +147,11 @@ impl Moment {
                     let mut factor = [1.0];
                     track.sample(t, &mut factor);
                     brightness.push((light, factor[0]));
+                }
+                (Target::Node(node), Property::Weights) => {
+                    let factors: &mut Vec<f32> = weights.entry(node).or_default();
+                    factors.resize(track.width, 0.0);
+                    track.sample(t, factors);
                 }
                 (Target::Node(node), property) => {
                     let (Some(slot), Some(rest)) = (moved.get_mut(node), animation.nodes.get(node)) else {
@@ -144,7 +172,17 @@ impl Moment {
                 (Target::Light(_), _) => {}
             }
         }
-        Self { world_from_node: worlds(&animation.nodes, &moved), brightness }
+        Self { world_from_node: worlds(&animation.nodes, &moved), brightness, weights }
+    }
+
+    /// All nodes at rest.
+    fn rest(animation: &Animation) -> Self {
+        let world_from_node = animation.nodes.iter().map(|n| n.world_from_local).collect();
+        Self { world_from_node, brightness: Vec::new(), weights: HashMap::new() }
+    }
+
+    fn world(&self, node: Option<usize>) -> Mat4 {
+        node.map_or(Mat4::IDENTITY, |n| self.world_from_node[n])
     }
 
     /// The camera where its nodes are; `None` if it sees nothing in particular.

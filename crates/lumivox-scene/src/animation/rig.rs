@@ -2,6 +2,7 @@
 
 use glam::Mat4;
 
+use super::deform::{Body, Skin};
 use super::{Clip, Transform};
 use crate::{Camera, Light, Scene};
 
@@ -14,10 +15,12 @@ pub struct NodeId(pub(crate) usize);
 pub struct Animation {
     /// Parents come before their children.
     pub(super) nodes: Vec<Node>,
-    pub(super) clips: Vec<Clip>,
-    pub(super) instances: Vec<HungInstance>,
-    pub(super) lights: Vec<HungLight>,
-    pub(super) cameras: Vec<HungCamera>,
+    pub(crate) clips: Vec<Clip>,
+    pub(crate) instances: Vec<HungInstance>,
+    pub(crate) lights: Vec<HungLight>,
+    pub(crate) cameras: Vec<HungCamera>,
+    pub(crate) skins: Vec<Skin>,
+    pub(crate) bodies: Vec<Body>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -33,33 +36,36 @@ pub(super) struct Node {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct HungInstance {
-    pub(super) instance: usize,
-    pub(super) node: usize,
-    pub(super) node_from_local: Mat4,
+pub(crate) struct HungInstance {
+    pub(crate) instance: usize,
+    /// The node that moves the whole of the file that the instance is from.
+    pub(crate) outer: Option<usize>,
+    /// The node within that file.
+    pub(crate) node: Option<usize>,
+    pub(crate) node_from_local: Mat4,
     /// Where it stood when it was hung.
-    pub(super) rest: Mat4,
+    pub(crate) rest: Mat4,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct HungLight {
-    pub(super) light: usize,
-    pub(super) node: usize,
+pub(crate) struct HungLight {
+    pub(crate) light: usize,
+    pub(crate) node: usize,
     /// The light in the node's space.
-    pub(super) local: Light,
-    pub(super) rest: Light,
+    pub(crate) local: Light,
+    pub(crate) rest: Light,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct HungCamera {
-    pub(super) camera: usize,
+pub(crate) struct HungCamera {
+    pub(crate) camera: usize,
     /// What the eye and up hang on.
-    pub(super) eye: usize,
+    pub(crate) eye: usize,
     /// What the target hangs on.
-    pub(super) target: usize,
+    pub(crate) target: usize,
     /// The camera in its nodes' spaces.
-    pub(super) local: Camera,
-    pub(super) rest: Camera,
+    pub(crate) local: Camera,
+    pub(crate) rest: Camera,
 }
 
 impl Animation {
@@ -116,7 +122,8 @@ impl Scene {
         let Some(rest) = self.instances.get(instance).map(|i| i.world_from_local) else { return };
         let Some(node_from_world) = self.animation.node_from_world(node) else { return };
         let node_from_local = node_from_world * rest;
-        self.animation.instances.push(HungInstance { instance, node: node.0, node_from_local, rest });
+        let (outer, node) = (None, Some(node.0));
+        self.animation.instances.push(HungInstance { instance, outer, node, node_from_local, rest });
     }
 
     /// Lets a light move with a node from now on; at rest it stays where it is. Nodes move and turn lights; of scale

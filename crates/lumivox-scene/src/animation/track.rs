@@ -29,13 +29,13 @@ pub(crate) enum Property {
 /// Keyframes of one property. Before the first and after the last key their values hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    pub(super) property: Property,
+    pub(crate) property: Property,
     interpolation: Interpolation,
     /// Seconds: finite, not negative, not falling.
     times: Vec<f32>,
     /// Per key `width` numbers; for splines the tangent before, the value and the tangent after.
     values: Vec<f32>,
-    pub(super) width: usize,
+    pub(crate) width: usize,
 }
 
 /// Seconds and value of the keys that are finite, in the order of their times.

@@ -141,6 +141,24 @@ impl<'a> Reader<'a> {
         Ok(out)
     }
 
+    /// Single numbers, scaled as in [`Self::vectors`]. The caller has checked `count` against its limit.
+    pub(super) fn scalars(&self, index: usize) -> Result<Vec<f32>, SceneError> {
+        Ok(self.vectors::<1>(index, 1..=1, 0.0)?.into_iter().flatten().collect())
+    }
+
+    /// Matrices of 4 x 4 floats, by columns. The caller has checked `count` against its limit.
+    pub(super) fn matrices(&self, index: usize) -> Result<Vec<[f32; 16]>, SceneError> {
+        let accessor = self.accessor(index)?;
+        let plain = matches!((&accessor.component_type, &accessor.type_), (Valid(c), Valid(Type::Mat4)) if c.0 == C::F32);
+        let Some(view) = accessor.buffer_view.filter(|_| plain && accessor.sparse.is_none()) else {
+            return self.fail(index, "where a plain list of 4 x 4 matrices is needed");
+        };
+        let offset = accessor.byte_offset.unwrap_or_default().0;
+        let elements = self.elements(index, view.value(), offset, accessor.count.0, 64, true)?;
+        let read = |bytes: &[u8]| std::array::from_fn(|i| number(&bytes[4 * i..], C::F32, false));
+        Ok(elements.iter().map(read).collect())
+    }
+
     /// Unsigned integers. The caller has checked `count` against its limit.
     pub(super) fn integers(&self, index: usize) -> Result<Vec<u32>, SceneError> {
         let accessor = self.accessor(index)?;

@@ -9,8 +9,12 @@ use crate::mesh::check_limit;
 use crate::{ImportReport, Limits, SceneError};
 
 /// Extensions whose absence of support changes nothing here: understood, or about properties that are not rendered.
-const UNDERSTOOD: &[&str] =
-    &["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization"];
+const UNDERSTOOD: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
 
 /// Extensions without which there is no geometry to show.
 const COMPRESSION: &[&str] =
@@ -20,12 +24,39 @@ const COMPRESSION: &[&str] =
 const OBJECTS_PER_NODE: u64 = 10;
 
 /// Parses the JSON, after a look at how many objects it would become.
-pub(super) fn parse(source: &Source, json: &[u8], limits: &Limits) -> Result<Root, SceneError> {
+pub(super) fn parse(
+    source: &Source,
+    json: &[u8],
+    limits: &Limits,
+    report: &mut ImportReport,
+) -> Result<Root, SceneError> {
     let objects = json.iter().filter(|b| **b == b'{').count() as u64;
     let limit = limits.nodes.saturating_mul(OBJECTS_PER_NODE);
     check_limit(source.name(), "the number of JSON objects", objects, limit)?;
-    gltf::json::deserialize::from_slice(json)
-        .map_err(|e| source.malformed(format!("is no valid glTF JSON: {e}")))
+    let error = match gltf::json::deserialize::from_slice(json) {
+        Ok(root) => return Ok(root),
+        Err(error) => error,
+    };
+    let malformed = |e| source.malformed(format!("is no valid glTF JSON: {e}"));
+    // Allowed by the format, for extensions that animate other things; but the crate knows no channel without a node.
+    let pruned =
+        error.to_string().starts_with("missing field `node`").then(|| without_nodeless_channels(json));
+    match pruned.flatten() {
+        Some(value) => {
+            report.warn("channels of animations that move no node are left out");
+            gltf::json::deserialize::from_value(value).map_err(malformed)
+        }
+        None => Err(malformed(error)),
+    }
+}
+
+fn without_nodeless_channels(json: &[u8]) -> Option<serde_json::Value> {
+    let mut root: serde_json::Value = serde_json::from_slice(json).ok()?;
+    for animation in root.get_mut("animations")?.as_array_mut()? {
+        let channels = animation.get_mut("channels").and_then(|c| c.as_array_mut());
+        channels.into_iter().for_each(|c| c.retain(|c| c["target"]["node"].is_number()));
+    }
+    Some(root)
 }
 
 /// Refuses what cannot be read, and lists what is ignored.
@@ -43,6 +74,9 @@ pub(super) fn check(
     }
     for name in root.extensions_used.iter().chain(&root.extensions_required) {
         if !UNDERSTOOD.contains(&name.as_str()) && !report.ignored_extensions.contains(name) {
+            let required = root.extensions_required.contains(name);
+            let weight = if required { "required, so what is shown may be wrong" } else { "optional" };
+            report.warn(format!("the extension {name} is not supported; the file calls it {weight}"));
             report.ignored_extensions.push(name.clone());
         }
     }

@@ -8,31 +8,24 @@ use gltf::texture::WrappingMode;
 
 use super::accessor::Reader;
 use super::container;
+use super::texture_transform::UvSource;
 use crate::import::texture::Textures;
 use crate::{AlphaMode, Limits, Material, Scene, SceneError, Wrap};
 
-/// Fills `scene.materials` and `scene.textures`; returns for each material the set of texture coordinates it uses.
+/// Fills `scene.materials` and `scene.textures`; returns for each material the texture coordinates that it uses.
 pub(super) fn read(
     reader: &Reader,
     document: &gltf::Document,
     limits: &Limits,
     scene: &mut Scene,
-) -> Result<Vec<u32>, SceneError> {
+) -> Result<Vec<UvSource>, SceneError> {
     let mut textures = Textures::new(limits);
     let mut loaded: HashMap<usize, Option<usize>> = HashMap::new();
-    let mut uv_sets = Vec::new();
+    let mut uv_sources = Vec::new();
     for material in document.materials() {
         let pbr = material.pbr_metallic_roughness();
         let (color, emission) = (pbr.base_color_texture(), material.emissive_texture());
-        let sets = [&color, &emission].map(|t| t.as_ref().map(|t| t.tex_coord()));
-        if let [Some(a), Some(b)] = sets
-            && a != b
-        {
-            scene
-                .report
-                .warn("a material uses two sets of texture coordinates; only that of its colour is kept");
-        }
-        uv_sets.push(sets[0].or(sets[1]).unwrap_or(0));
+        uv_sources.push(UvSource::of_material(color.as_ref(), emission.as_ref(), &mut scene.report));
 
         let mut load = |info: Option<gltf::texture::Info>| -> Result<Option<usize>, SceneError> {
             let Some(texture) = info.map(|i| i.texture()) else { return Ok(None) };
@@ -61,7 +54,7 @@ pub(super) fn read(
             },
         });
     }
-    Ok(uv_sets)
+    Ok(uv_sources)
 }
 
 fn finite(value: f32, otherwise: f32) -> f32 {
@@ -77,8 +70,12 @@ fn load_texture(
     scene: &mut Scene,
 ) -> Result<Option<usize>, SceneError> {
     // Straight from the JSON: the crate's reader takes a source, a MIME type and a URI for granted.
-    let image = texture.source().index();
-    let Some(json) = reader.root.images.get(image) else { return Ok(None) };
+    let image = reader.root.textures.get(texture.index()).map_or(usize::MAX, |t| t.source.value());
+    let Some(json) = reader.root.images.get(image) else {
+        // Its image is in an extension that is not read.
+        scene.report.missing_textures.push(format!("texture {}", texture.index()));
+        return Ok(None);
+    };
     let short = json.uri.as_ref().filter(|u| !u.starts_with("data:"));
     let name = json.name.as_ref().or(short).cloned().unwrap_or_else(|| format!("image {image}"));
     let sampler = texture.sampler();

@@ -4,7 +4,7 @@ use super::*;
 use crate::{AlphaMode, ImportReport, Light, SpotFalloff, Wrap};
 
 /// A `.gltf` whose only buffer is embedded, byte by byte.
-fn parse(buffer: &[u8], rest: &str) -> Result<Scene, SceneError> {
+pub(super) fn parse(buffer: &[u8], rest: &str) -> Result<Scene, SceneError> {
     let escaped: String = buffer.iter().map(|b| format!("%{b:02x}")).collect();
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{},"uri":"data:,{escaped}"}}],{rest}}}"#,
@@ -13,7 +13,7 @@ fn parse(buffer: &[u8], rest: &str) -> Result<Scene, SceneError> {
     import(&Source::of_memory("a.gltf"), json.as_bytes(), &Limits::default(), Shading::FileOrFlat)
 }
 
-fn floats(numbers: &[f32]) -> Vec<u8> {
+pub(super) fn floats(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
@@ -27,14 +27,6 @@ const TRIANGLE: &str = r#""bufferViews":[{"buffer":0,"byteLength":36}],
 "meshes":[{"name":"t","primitives":[{"attributes":{"POSITION":0}}]}]"#;
 
 #[test]
-fn strips_and_fans_keep_their_winding() {
-    assert_eq!(triangles_of(&[0, 1, 2, 3, 4], Mode::TriangleStrip), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
-    assert_eq!(triangles_of(&[0, 1, 2, 3], Mode::TriangleFan), [[1, 2, 0], [2, 3, 0]]);
-    assert_eq!(triangles_of(&[0, 1, 2, 3, 4], Mode::Triangles), [[0, 1, 2]]);
-    assert!(triangles_of(&[], Mode::TriangleFan).is_empty());
-}
-
-#[test]
 fn transforms_multiply_down_the_tree_and_place_cameras_and_lights() {
     let scene = parse(
         &triangle(),
@@ -43,7 +35,7 @@ fn transforms_multiply_down_the_tree_and_place_cameras_and_lights() {
             {{"mesh":0,"scale":[2,2,2]}},{{"camera":0,"translation":[0,0,5],"name":"eye"}},
             {{"rotation":[-0.70710678,0,0,0.70710678],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
             "cameras":[{{"type":"perspective","perspective":{{"yfov":0.7,"znear":0.1}}}}],
-            "extensionsUsed":["KHR_lights_punctual","KHR_texture_transform"],"extensions":{{"KHR_lights_punctual":{{"lights":
+            "extensionsUsed":["KHR_lights_punctual","KHR_materials_unlit"],"extensions":{{"KHR_lights_punctual":{{"lights":
             [{{"type":"spot","intensity":3,"color":[1,0.5,0],"spot":{{"innerConeAngle":0.2,"outerConeAngle":0.5}}}}]}}}}"#
         ),
     )
@@ -58,7 +50,7 @@ fn transforms_multiply_down_the_tree_and_place_cameras_and_lights() {
     assert_eq!((position, intensity), (Vec3::new(0.0, 10.0, 0.0), Vec3::new(3.0, 1.5, 0.0)));
     assert!(direction.abs_diff_eq(Vec3::NEG_Y, 1e-6), "{direction}");
     assert_eq!((beam, cutoff, falloff), (0.2, 0.5, SpotFalloff::Gltf));
-    assert_eq!(scene.report.ignored_extensions, ["KHR_texture_transform"]);
+    assert_eq!(scene.report.ignored_extensions, ["KHR_materials_unlit"]);
     assert_eq!((scene.meshes[0].normals[0], scene.materials.len()), ([0.0, 0.0, 1.0], 1));
 }
 
