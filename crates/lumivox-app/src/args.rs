@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use lumivox_render::{GiMethod, Layer, VoxelSource};
+use lumivox_scene::Camera;
 
 /// Lights scenes with voxel volumes: progressive voxelization and indirect light on any GPU.
 #[derive(Debug, Parser)]
@@ -80,6 +81,10 @@ pub(crate) struct ShotArgs {
     /// Time of the (first) picture in seconds, for scenes that move.
     #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
     pub(crate) time: f32,
+    /// The motion to play, by name or number, of a scene that moves; none for the pose it is stored in. The first unless said
+    /// otherwise.
+    #[arg(long, value_name = "NAME|N|none")]
+    pub(crate) clip: Option<ClipArg>,
     /// Cells along the longest side of the scene.
     #[arg(long, default_value_t = 64)]
     pub(crate) grid: u32,
@@ -103,7 +108,7 @@ pub(crate) struct ShotArgs {
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) shot: ShotArgs,
-    /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png.
+    /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png, or an animation, name.gif.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Picture size.
@@ -112,6 +117,9 @@ pub(crate) struct RenderArgs {
     /// Render a series of frames instead of a settled still; scenes with a camera walk follow it.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) frames: Option<u32>,
+    /// Frames per second of a series.
+    #[arg(long, default_value_t = 12.0)]
+    pub(crate) fps: f32,
     /// Exposure in stops, for PNG; auto makes the (first) picture's lit parts middle grey on average.
     #[arg(long, allow_hyphen_values = true, default_value = "auto", value_name = "EV|auto")]
     pub(crate) exposure: ExposureArg,
@@ -219,6 +227,30 @@ pub(crate) struct CameraArg {
     pub(crate) eye: Vec3,
     pub(crate) target: Vec3,
     pub(crate) fov_y_deg: f32,
+}
+
+impl From<CameraArg> for Camera {
+    fn from(arg: CameraArg) -> Self {
+        Self {
+            name: "command line".to_owned(),
+            eye: arg.eye,
+            target: arg.target,
+            up: Vec3::Y,
+            fov_y: arg.fov_y_deg.to_radians(),
+        }
+    }
+}
+
+/// Name or number of a clip.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ClipArg(pub(crate) String);
+
+impl FromStr for ClipArg {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self(text.to_owned()))
+    }
 }
 
 impl FromStr for CameraArg {

@@ -37,6 +37,8 @@ impl Picture {
 pub(crate) enum Format {
     Png,
     Exr,
+    /// An animation.
+    Gif,
 }
 
 /// The format of a file name.
@@ -44,7 +46,8 @@ pub(crate) fn format_of(path: &Path) -> Result<Format> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_lowercase).as_deref() {
         Some("png") => Ok(Format::Png),
         Some("exr") => Ok(Format::Exr),
-        _ => bail!("{}: pictures are written as .png or .exr", path.display()),
+        Some("gif") => Ok(Format::Gif),
+        _ => bail!("{}: pictures are written as .png or .exr, series also as .gif", path.display()),
     }
 }
 
@@ -64,6 +67,7 @@ pub(crate) fn prepare_folder(path: &Path) -> Result<()> {
 pub(crate) fn write_picture(path: &Path, picture: &Picture, layer: Layer, exposure_ev: f32) -> Result<()> {
     match format_of(path)? {
         Format::Png => write_png(path, &picture.srgb(layer, exposure_ev)),
+        Format::Gif => write_gif(path, &[picture.srgb(layer, exposure_ev)], 0),
         Format::Exr => write_with(path, |temporary| {
             let pixel = |x: usize, y: usize| picture.pixels[y * picture.width as usize + x].into();
             exr::prelude::write_rgb_file(temporary, picture.width as usize, picture.height as usize, pixel)

@@ -1,8 +1,6 @@
 //! `lumivox render`: one settled picture, or a series.
 
-use std::path::Path;
-
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use glam::{UVec2, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use lumivox::light::LightSettings;
@@ -10,23 +8,28 @@ use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Light, Scene};
 
 use crate::args::{ExposureArg, RenderArgs, ShotArgs, Size};
-use crate::output::{self, Picture};
+use crate::motion::Motion;
+use crate::output::{self, Format, Picture};
 use crate::stats::{self, AdapterStats, RenderStats, StageStats};
-use crate::{clock, framing, info};
+use crate::{clock, info};
 
 /// Light has settled when this share of what was sent out is still under way.
 const SETTLED: f64 = 0.01;
 /// A still gives up settling after this many propagation steps.
 const MAX_STEPS: u32 = 8192;
-/// Seconds of a camera walk, and between two frames of a series.
-const WALK_SECONDS: f32 = 8.0;
-const FRAME_SECONDS: f32 = 1.0 / 12.0;
 
 /// Runs the command.
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
-    output::format_of(&args.output)?;
-    if args.frames.is_some() {
-        output::numbered(&args.output, 0)?;
+    let format = output::format_of(&args.output)?;
+    match args.frames {
+        Some(_) if format != Format::Gif => drop(output::numbered(&args.output, 0)?),
+        None if format == Format::Gif => {
+            bail!("{}: a .gif holds a series: add --frames N", args.output.display())
+        }
+        _ => {}
+    }
+    if !(args.fps.is_finite() && (0.1..=1000.0).contains(&args.fps)) {
+        bail!("--fps must be 0.1 to 1000");
     }
     check(&args.shot)?;
     if args.stats.as_ref() == Some(&args.output) {
@@ -35,20 +38,30 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     output::prepare_folder(&args.output)?;
     args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
     let start = clock::millis();
-    let scene = load(&args.shot)?;
+    let mut scene = load(&args.shot)?;
     let load_ms = clock::millis() - start;
-    let cameras = Cameras::new(&scene, &args.shot, args.frames.is_some())?;
+    let motion = Motion::new(&scene, &args.shot, args.frames.is_some())?;
+    let (_, camera) = motion.pose(&mut scene, args.shot.time);
 
     let gpu = info::open_gpu(&args.shot.gpu)?;
-    let settings = settings(&args.shot, args.size, args.layer.into(), args.frames.is_none());
+    let settings = Settings {
+        clip: motion.clip().filter(|_| args.frames.is_some()),
+        ..settings(&args.shot, args.size, args.layer.into(), args.frames.is_none())
+    };
     let mut renderer = Renderer::new(&gpu, &scene, settings)?;
     let mut work = Work::default();
     match args.frames {
-        Some(count) => series(&mut renderer, args, &cameras, count, &mut work)?,
+        Some(count) => series(&mut renderer, args, &mut scene, &motion, count, &mut work)?,
         None => {
             let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
-            still(&mut renderer, args.shot.iterations, &cameras.at(args.shot.time), clock, &mut work)?;
-            write_frame(&renderer, args, &args.output, &mut work)?;
+            still(&mut renderer, args.shot.iterations, &camera, clock, &mut work)?;
+            let picture = read_frame(&renderer, args, &mut work)?;
+            output::write_picture(
+                &args.output,
+                &picture,
+                args.layer.into(),
+                work.exposure_ev.unwrap_or(0.0),
+            )?;
         }
     }
     if let Some(path) = &args.stats {
@@ -163,37 +176,54 @@ pub(crate) fn still(
     Ok(())
 }
 
+/// Frame by frame, into numbered pictures or one animation.
 fn series(
     renderer: &mut Renderer,
     args: &RenderArgs,
-    cameras: &Cameras,
+    scene: &mut Scene,
+    motion: &Motion,
     count: u32,
     work: &mut Work,
 ) -> Result<()> {
     let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
+    let animated = output::format_of(&args.output)? == Format::Gif;
+    let layer = args.layer.into();
+    let mut animation = Vec::new();
     let bar = progress(u64::from(count), "frames");
     for n in 0..count {
-        renderer.set_camera(&cameras.at(args.shot.time + FRAME_SECONDS * n as f32));
+        let (pose, camera) = motion.pose(scene, args.shot.time + n as f32 / args.fps);
+        if motion.clip().is_some() {
+            renderer.set_pose(scene, &pose)?;
+        }
+        renderer.set_camera(&camera);
         let frame = renderer.frame(clock)?;
         stats::add_stages(&mut work.stages, &frame.stages);
         work.frames += 1;
         work.iterations += args.shot.iterations;
-        write_frame(renderer, args, &output::numbered(&args.output, n)?, work)?;
+        let picture = read_frame(renderer, args, work)?;
+        let exposure = work.exposure_ev.unwrap_or(0.0);
+        if animated {
+            animation.push(picture.srgb(layer, exposure));
+        } else {
+            output::write_picture(&output::numbered(&args.output, n)?, &picture, layer, exposure)?;
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if animated {
+        output::write_gif(&args.output, &animation, (1000.0 / args.fps).round() as u32)?;
+    }
     Ok(())
 }
 
-/// Writes the picture. Automatic exposure is found once, so that a series does not flicker.
-fn write_frame(renderer: &Renderer, args: &RenderArgs, path: &Path, work: &mut Work) -> Result<()> {
+/// Reads the picture. Automatic exposure is found once, so that a series does not flicker.
+fn read_frame(renderer: &Renderer, args: &RenderArgs, work: &mut Work) -> Result<Picture> {
     let pixels = renderer.read_picture()?;
-    let exposure = *work.exposure_ev.get_or_insert_with(|| match args.exposure {
+    work.exposure_ev.get_or_insert_with(|| match args.exposure {
         ExposureArg::Stops(ev) => ev,
         ExposureArg::Auto => tone::auto_exposure(&pixels),
     });
-    let picture = Picture { width: args.size.0, height: args.size.1, pixels };
-    output::write_picture(path, &picture, args.layer.into(), exposure)
+    Ok(Picture { width: args.size.0, height: args.size.1, pixels })
 }
 
 /// A bar on a terminal, nothing elsewhere.
@@ -219,36 +249,5 @@ fn light_scene(scene: &mut Scene, shot: &ShotArgs) {
         let direction = Vec3::new(0.35, -1.0, -0.45).normalize_or_zero();
         scene.lights = vec![Light::Directional { direction, irradiance: Vec3::new(9.0, 8.4, 7.4) }];
         scene.sky = Vec3::splat(0.4);
-    }
-}
-
-/// Where the camera is at a time.
-pub(crate) struct Cameras {
-    fixed: Option<Camera>,
-}
-
-impl Cameras {
-    pub(crate) fn new(scene: &Scene, shot: &ShotArgs, series: bool) -> Result<Self> {
-        let walks = shot.scene.starts_with("builtin:atrium") && (series || shot.time != 0.0);
-        if let Some(c) = shot.camera {
-            let camera = Camera {
-                name: "command line".to_owned(),
-                eye: c.eye,
-                target: c.target,
-                up: Vec3::Y,
-                fov_y: c.fov_y_deg.to_radians(),
-            };
-            return Ok(Self { fixed: Some(camera) });
-        }
-        if walks {
-            return Ok(Self { fixed: None });
-        }
-        let camera = scene.cameras.first().cloned().or_else(|| framing::best_camera(scene));
-        Ok(Self { fixed: Some(camera.context("the scene has no triangles to frame")?) })
-    }
-
-    pub(crate) fn at(&self, seconds: f32) -> Camera {
-        let walk = || lumivox_scene::builtin::atrium_camera_path((seconds / WALK_SECONDS).clamp(0.0, 1.0));
-        self.fixed.clone().unwrap_or_else(walk)
     }
 }

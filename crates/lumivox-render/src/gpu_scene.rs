@@ -3,21 +3,40 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 use lumivox::gpu::{Bindings, Buffer, Gpu, GpuError, Program, Sampler, Texture, TextureOptions, Uniform};
-use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Texture as Image, Wrap};
+use lumivox_scene::{AlphaMode, Material, Pose, Scene, Texture as Image, Wrap};
 
-/// A vertex as the surface shaders read it: 36 bytes.
+/// What moves of a vertex: 24 bytes, in a buffer of its own.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Vertex {
+pub struct VertexShape {
     position: [f32; 3],
     normal: [f32; 3],
+}
+
+/// What stays of it: 12 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct VertexPaint {
     uv: [f32; 2],
     color: [u8; 4],
 }
 
-/// The layout of [`Vertex`].
-pub const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4];
+const SHAPE_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+const PAINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![2 => Float32x2, 3 => Unorm8x4];
+
+/// The layouts of [`GpuScene::shapes`] and [`GpuScene::paints`].
+pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'_>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<VertexShape>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &SHAPE_ATTRIBUTES,
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<VertexPaint>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &PAINT_ATTRIBUTES,
+    }),
+];
 
 use lumivox::wgpu;
 
@@ -53,8 +72,10 @@ pub struct Draw {
 /// What is drawn.
 #[derive(Debug)]
 pub struct GpuScene {
-    /// All vertices.
-    pub vertices: Buffer,
+    /// An array of [`VertexShape`].
+    pub shapes: Buffer,
+    /// An array of [`VertexPaint`].
+    pub paints: Buffer,
     /// All indices, 32 bit.
     pub indices: Buffer,
     /// A matrix `world_from_local` per instance.
@@ -62,6 +83,7 @@ pub struct GpuScene {
     /// Sorted by material.
     pub draws: Vec<Draw>,
     first_panel: u64,
+    first_vertices: Vec<u64>,
     materials: Vec<GpuMaterial>,
 }
 
@@ -97,24 +119,29 @@ impl GpuScene {
         let materials = scene.materials.iter().chain(&panels.materials);
         let materials = materials.map(|m| GpuMaterial::new(gpu, m, scene)).collect();
         let gpu_scene = Self {
-            vertices: filled(
-                gpu,
-                "scene/vertices",
-                wgpu::BufferUsages::VERTEX,
-                bytemuck::cast_slice(&geometry.vertices),
-            ),
-            indices: filled(
-                gpu,
-                "scene/indices",
-                wgpu::BufferUsages::INDEX,
-                bytemuck::cast_slice(&geometry.indices),
-            ),
+            shapes: filled(gpu, "scene/shapes", wgpu::BufferUsages::VERTEX, &geometry.shapes),
+            paints: filled(gpu, "scene/paints", wgpu::BufferUsages::VERTEX, &geometry.paints),
+            indices: filled(gpu, "scene/indices", wgpu::BufferUsages::INDEX, &geometry.indices),
             instances: Buffer::storage_with(gpu, "scene/instances", &geometry.matrices)?,
             draws: geometry.draws,
             first_panel: scene.instances.len() as u64,
+            first_vertices: geometry.first_vertices,
             materials,
         };
         Ok((gpu_scene, MaterialTextures { textures, samplers }))
+    }
+
+    /// Moves the scene, from the next submission on; for a pose of the scene that this was made of.
+    pub fn set_pose(&self, gpu: &Gpu, pose: &Pose) {
+        let count = pose.world_from_local.len().min(self.first_panel as usize);
+        let matrices = &pose.world_from_local[..count];
+        gpu.queue.write_buffer(&self.instances.raw, 0, bytemuck::cast_slice(matrices));
+        for mesh in &pose.deformed {
+            let Some(first) = self.first_vertices.get(mesh.mesh) else { continue };
+            let moved: Vec<VertexShape> = shapes(&mesh.positions, &mesh.normals).collect();
+            let offset = first * size_of::<VertexShape>() as u64;
+            gpu.queue.write_buffer(&self.shapes.raw, offset, bytemuck::cast_slice(&moved));
+        }
     }
 
     /// Moves what only lights see: as many instances as before.
@@ -146,7 +173,10 @@ impl GpuScene {
 /// What goes into the buffers.
 #[derive(Default)]
 struct Geometry {
-    vertices: Vec<Vertex>,
+    shapes: Vec<VertexShape>,
+    paints: Vec<VertexPaint>,
+    /// First vertex of each mesh.
+    first_vertices: Vec<u64>,
     indices: Vec<u32>,
     matrices: Vec<Mat4>,
     draws: Vec<Draw>,
@@ -159,8 +189,13 @@ impl Geometry {
         for mesh in &scene.meshes {
             let first = self.indices.len() as u32;
             self.indices.extend(mesh.indices.iter().flatten());
-            ranges.push(((first, self.indices.len() as u32), self.vertices.len() as i32));
-            self.vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
+            ranges.push(((first, self.indices.len() as u32), self.shapes.len() as i32));
+            self.first_vertices.push(self.shapes.len() as u64);
+            self.shapes.extend(shapes(&mesh.positions, &mesh.normals));
+            self.paints.extend(mesh.uvs.iter().zip(&mesh.colors).map(|(&uv, color)| VertexPaint {
+                uv,
+                color: color.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8),
+            }));
         }
         for instance in &scene.instances {
             let material = scene.meshes[instance.mesh].material;
@@ -178,13 +213,8 @@ impl Geometry {
     }
 }
 
-fn vertex(mesh: &Mesh, i: usize) -> Vertex {
-    Vertex {
-        position: mesh.positions[i],
-        normal: mesh.normals[i],
-        uv: mesh.uvs[i],
-        color: mesh.colors[i].map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8),
-    }
+fn shapes(positions: &[[f32; 3]], normals: &[[f32; 3]]) -> impl Iterator<Item = VertexShape> {
+    positions.iter().zip(normals).map(|(&position, &normal)| VertexShape { position, normal })
 }
 
 impl GpuMaterial {
@@ -242,7 +272,8 @@ fn sampler(gpu: &Gpu, wrap: [Wrap; 2]) -> Sampler {
     )
 }
 
-fn filled(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> Buffer {
+fn filled<T: Pod>(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, values: &[T]) -> Buffer {
+    let bytes: &[u8] = bytemuck::cast_slice(values);
     let buffer = Buffer::with_usage(gpu, label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
     gpu.queue.write_buffer(&buffer.raw, 0, bytes);
     buffer

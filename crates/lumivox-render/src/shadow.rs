@@ -8,7 +8,7 @@
 use lumivox::gpu::{Bindings, Gpu, GpuError, Program, Shader, Texture};
 use lumivox::{wgpu, wgsl};
 
-use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_ATTRIBUTES, Vertex};
+use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_BUFFERS};
 use crate::renderer::ShadowTile;
 use crate::surface::{DEPTH_FORMAT, SURFACE};
 
@@ -60,7 +60,8 @@ impl ShadowPass {
             }),
             ..Default::default()
         });
-        pass.set_vertex_buffer(0, scene.vertices.raw.slice(..));
+        pass.set_vertex_buffer(0, scene.shapes.raw.slice(..));
+        pass.set_vertex_buffer(1, scene.paints.raw.slice(..));
         pass.set_index_buffer(scene.indices.raw.slice(..), wgpu::IndexFormat::Uint32);
         for (is_masked, (pipeline, program)) in [(false, &self.opaque), (true, &self.masked)] {
             let draws = || scene.draws.iter().filter(|d| d.is_masked == is_masked);
@@ -92,7 +93,6 @@ fn pipeline(gpu: &Gpu, shader: &Shader, has_fragment: bool) -> (wgpu::RenderPipe
         label: Some(shader.name),
         source: wgpu::ShaderSource::Wgsl(shader.source().into()),
     });
-    let attributes = if has_fragment { &VERTEX_ATTRIBUTES[..] } else { &VERTEX_ATTRIBUTES[..1] };
     let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(shader.name),
         layout: None,
@@ -100,11 +100,7 @@ fn pipeline(gpu: &Gpu, shader: &Shader, has_fragment: bool) -> (wgpu::RenderPipe
             module: &module,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Vertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes,
-            })],
+            buffers: if has_fragment { &VERTEX_BUFFERS } else { &VERTEX_BUFFERS[..1] },
         },
         primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -18,7 +18,7 @@ use lumivox::progressive::{InjectionScale, ViewInput, ViewTextures};
 use lumivox::wgpu::{self, TextureFormat};
 use lumivox::wgsl;
 
-use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_ATTRIBUTES, Vertex};
+use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_BUFFERS};
 use crate::lights::{LIGHTS, LightUniform};
 
 pub(crate) const SURFACE: &str = include_str!("surface.wgsl");
@@ -130,11 +130,7 @@ impl SurfacePass {
                 module: &module,
                 entry_point: Some("vertex"),
                 compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: size_of::<Vertex>() as u64,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &VERTEX_ATTRIBUTES,
-                })],
+                buffers: &VERTEX_BUFFERS,
             },
             // Both sides are drawn: surfaces reflect on both.
             primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
@@ -200,7 +196,8 @@ impl SurfacePass {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &view_group, &[]);
-        pass.set_vertex_buffer(0, scene.vertices.raw.slice(..));
+        pass.set_vertex_buffer(0, scene.shapes.raw.slice(..));
+        pass.set_vertex_buffer(1, scene.paints.raw.slice(..));
         pass.set_index_buffer(scene.indices.raw.slice(..), wgpu::IndexFormat::Uint32);
         let mut material = usize::MAX;
         for draw in scene.draws.iter().filter(|d| d.in_camera || self.is_rsm) {

@@ -21,7 +21,7 @@ use report::{ForegroundStats, ReferenceStats, Report};
 use voxels::VoxelComparison;
 
 use crate::args::Size;
-use crate::render::Cameras;
+use crate::motion::Motion;
 use crate::stats::{self, AdapterStats};
 use crate::{clock, info, output, render};
 
@@ -37,9 +37,9 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let start = clock::millis();
     let files = args.reference.as_deref().map(Files::read).transpose()?;
     let size = picture_size(args, files.as_ref())?;
-    let scene = render::load(&args.shot)?;
+    let mut scene = render::load(&args.shot)?;
     let load_ms = clock::millis() - start;
-    let camera = Cameras::new(&scene, &args.shot, false)?.at(args.shot.time);
+    let (_, camera) = Motion::new(&scene, &args.shot, false)?.pose(&mut scene, args.shot.time);
     let oracle_scene = oracle_scene::oracle_scene(&scene);
     let oracle_camera = oracle_scene::oracle_camera(&camera);
 

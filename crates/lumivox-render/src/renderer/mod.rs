@@ -1,6 +1,7 @@
 //! The frame: what is rendered, in which order, from what into what.
 
 mod injected_lights;
+mod settings;
 mod shadowed_lights;
 
 use glam::{UVec2, Vec3};
@@ -10,7 +11,7 @@ use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
 use lumivox::light::{IndirectLight, LightSettings};
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
-use lumivox_scene::{Camera, Light, Scene};
+use lumivox_scene::{Camera, Light, Pose, Scene};
 
 use crate::composite::{CompositePass, Layer};
 use crate::direct::DirectPass;
@@ -22,6 +23,7 @@ use crate::triangles;
 use crate::voxel_view::VoxelView;
 use injected_lights::InjectedLights;
 
+pub use settings::{GiMethod, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
 
 /// Why a scene cannot be rendered.
@@ -36,79 +38,6 @@ pub enum RendererError {
     /// Nothing to see.
     #[error("the scene has no triangles to render")]
     EmptyScene,
-}
-
-/// Where the volume comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VoxelSource {
-    /// All triangles of the scene, once; then views add what they see.
-    Triangles,
-    /// Views alone, kept from frame to frame.
-    Progressive,
-    /// Views alone, from nothing in every frame.
-    SingleFrame,
-}
-
-/// How indirect light is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GiMethod {
-    /// Not at all.
-    Off,
-    /// Iterative propagation through the volume.
-    Propagation,
-}
-
-/// What is rendered, and how well.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Width and height of the picture.
-    pub size: UVec2,
-    /// Cells along the longest side of the scene. More resolve finer shadows of indirect light; memory grows with the cube,
-    /// and light needs more iterations to cross a room.
-    pub grid: u32,
-    /// Where the volume comes from.
-    pub voxels: VoxelSource,
-    /// How indirect light is found.
-    pub gi: GiMethod,
-    /// Propagation steps in every frame.
-    pub iterations: u32,
-    /// How light propagates; its sky is the scene's.
-    pub light: LightSettings,
-    /// Texels a side of the atlas of shadow maps: the map of a directional or spot light has all of them, a view of a point
-    /// light half, a sample of the sky a quarter, of a rect light an eighth. More give sharper shadows. A power of two.
-    pub shadow_size: u32,
-    /// Samples that the sky is cut into for the picture, each with its own shadow map; a rect light has a quarter as many, with
-    /// five maps each. More give smoother shadows, at the price of so many small lights. With 0, rect lights are dark
-    /// and the sky comes in by propagation.
-    pub area_samples: u32,
-    /// Samples that they are cut into for the volume, which is coarser.
-    pub area_maps: u32,
-    /// Texels a side of a directional or spot light's reflective shadow map; the views of point and area lights have half as
-    /// many.
-    pub rsm_size: u32,
-    /// Injection points a side of a light's view. The camera injects every pixel up to this many a side.
-    pub points: u32,
-    /// What the picture shows.
-    pub layer: Layer,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            size: UVec2::new(960, 540),
-            grid: 64,
-            voxels: VoxelSource::Progressive,
-            gi: GiMethod::Propagation,
-            iterations: 64,
-            light: LightSettings::default(),
-            shadow_size: 2048,
-            area_samples: 64,
-            area_maps: 32,
-            rsm_size: 512,
-            points: 512,
-            layer: Layer::Final,
-        }
-    }
 }
 
 /// What a frame did.
@@ -151,12 +80,12 @@ impl Renderer {
     /// # Errors
     /// An empty scene, a grid that does not fit the device (with the numbers and the largest that would), or the device's.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: Settings) -> Result<Self, RendererError> {
-        let bounds = scene.bounds();
+        let bounds = settings.clip.map_or_else(|| scene.bounds(), |clip| scene.bounds_in_motion(clip));
         if scene.triangle_count() == 0 || bounds.is_empty() {
             return Err(RendererError::EmptyScene);
         }
         let grid = Grid::fit_with_margin(&bounds, settings.grid)?;
-        let mut volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
+        let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
         let progressive = Progressive::new(gpu, &volume)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
         let indirect = IndirectLight::new(gpu, &volume)?;
@@ -164,13 +93,6 @@ impl Renderer {
         let light = LightSettings { sky: scene.sky - sampled_sky, ..settings.light };
         indirect.update(gpu, &light);
         let panels = lights::panels(&scene.lights);
-        if settings.voxels == VoxelSource::Triangles && needs_volume(&settings) {
-            let made = triangles::voxelize(&[scene, &panels], &grid);
-            volume.upload(gpu, NORMAL, &made.normal)?;
-            volume.upload(gpu, ALBEDO, &made.albedo)?;
-            volume.upload(gpu, EMISSION, &made.emission)?;
-        }
-
         let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels)?;
         let camera = camera_target(gpu, &settings)?;
         let [for_picture, for_volume] = light_samples(&settings, &scene.lights, sampled_sky);
@@ -178,7 +100,7 @@ impl Renderer {
         let emission = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
         let composite_pass = CompositePass::new(gpu);
         composite_pass.update(gpu, settings.layer, scene.sky);
-        let renderer = Self {
+        let mut renderer = Self {
             gpu: gpu.clone(),
             settings,
             bounds,
@@ -207,6 +129,7 @@ impl Renderer {
             )?,
             picture: Texture::target(gpu, "render/picture", settings.size.to_array(), HDR_FORMAT)?,
         };
+        renderer.voxelize_triangles(scene)?;
         gpu.wait()?;
         Ok(renderer)
     }
@@ -229,6 +152,26 @@ impl Renderer {
         self.shadowed.set(for_picture);
         self.injected.set(&self.gpu, &for_volume);
         self.scene.set_panels(&self.gpu, &lights::panels(lights));
+    }
+
+    /// Moves the scene and its lights, from the next frame on. `scene` is the one that this was made of, with the pose applied
+    /// ([`Scene::apply`]). A volume of triangles is made anew, on the CPU.
+    pub fn set_pose(&mut self, scene: &Scene, pose: &Pose) -> Result<(), RendererError> {
+        self.scene.set_pose(&self.gpu, pose);
+        self.set_lights(&pose.lights);
+        self.voxelize_triangles(scene)
+    }
+
+    /// Fills the volume from triangles, if that is where it comes from.
+    fn voxelize_triangles(&mut self, scene: &Scene) -> Result<(), RendererError> {
+        if self.settings.voxels == VoxelSource::Triangles && needs_volume(&self.settings) {
+            let panels = lights::panels(&scene.lights);
+            let made = triangles::voxelize(&[scene, &panels], self.volume.grid());
+            self.volume.upload(&self.gpu, NORMAL, &made.normal)?;
+            self.volume.upload(&self.gpu, ALBEDO, &made.albedo)?;
+            self.volume.upload(&self.gpu, EMISSION, &made.emission)?;
+        }
+        Ok(())
     }
 
     /// Chooses what the picture shows, from the next frame on.

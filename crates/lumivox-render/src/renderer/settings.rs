@@ -1,0 +1,82 @@
+//! What is rendered, and how well.
+
+use glam::UVec2;
+use lumivox::light::LightSettings;
+
+use crate::composite::Layer;
+
+/// Where the volume comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VoxelSource {
+    /// All triangles of the scene, once; then views add what they see.
+    Triangles,
+    /// Views alone, kept from frame to frame.
+    Progressive,
+    /// Views alone, from nothing in every frame.
+    SingleFrame,
+}
+
+/// How indirect light is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GiMethod {
+    /// Not at all.
+    Off,
+    /// Iterative propagation through the volume.
+    Propagation,
+}
+
+/// What is rendered, and how well.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Width and height of the picture.
+    pub size: UVec2,
+    /// The clip that the scene will move by, so that the volume holds all of its motion; none for a scene that stands still.
+    pub clip: Option<usize>,
+    /// Cells along the longest side of the scene. More resolve finer shadows of indirect light; memory grows with the cube,
+    /// and light needs more iterations to cross a room.
+    pub grid: u32,
+    /// Where the volume comes from.
+    pub voxels: VoxelSource,
+    /// How indirect light is found.
+    pub gi: GiMethod,
+    /// Propagation steps in every frame.
+    pub iterations: u32,
+    /// How light propagates; its sky is the scene's.
+    pub light: LightSettings,
+    /// Texels a side of the atlas of shadow maps: the map of a directional or spot light has all of them, a view of a point
+    /// light half, a sample of the sky a quarter, of a rect light an eighth. More give sharper shadows. A power of two.
+    pub shadow_size: u32,
+    /// Samples that the sky is cut into for the picture, each with its own shadow map; a rect light has a quarter as many, with
+    /// five maps each. More give smoother shadows, at the price of so many small lights. With 0, rect lights are dark
+    /// and the sky comes in by propagation.
+    pub area_samples: u32,
+    /// Samples that they are cut into for the volume, which is coarser.
+    pub area_maps: u32,
+    /// Texels a side of a directional or spot light's reflective shadow map; the views of point and area lights have half as
+    /// many.
+    pub rsm_size: u32,
+    /// Injection points a side of a light's view. The camera injects every pixel up to this many a side.
+    pub points: u32,
+    /// What the picture shows.
+    pub layer: Layer,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            size: UVec2::new(960, 540),
+            clip: None,
+            grid: 64,
+            voxels: VoxelSource::Progressive,
+            gi: GiMethod::Propagation,
+            iterations: 64,
+            light: LightSettings::default(),
+            shadow_size: 2048,
+            area_samples: 64,
+            area_maps: 32,
+            rsm_size: 512,
+            points: 512,
+            layer: Layer::Final,
+        }
+    }
+}
