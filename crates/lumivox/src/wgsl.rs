@@ -12,6 +12,8 @@ pub const GRID: &str = include_str!("wgsl/grid.wgsl");
 pub const VIEW: &str = include_str!("wgsl/view.wgsl");
 /// Points of a view's injection grid; after [`GRID`] and [`VIEW`].
 pub const POINT: &str = include_str!("wgsl/point.wgsl");
+/// Where a view shows a point, and how far a cell reaches in depth; after [`GRID`] and [`VIEW`].
+pub const VISIBILITY: &str = include_str!("wgsl/visibility.wgsl");
 /// Four half floats in two words.
 pub const PACK: &str = include_str!("wgsl/pack.wgsl");
 /// Spherical harmonics of bands 0 and 1.

@@ -11,12 +11,14 @@
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, PACK, VIEW, linear_groups};
+use crate::wgsl::{GRID, PACK, VIEW, VISIBILITY, linear_groups};
 
 use super::ViewInput;
 
-pub(super) const SHADER: Shader =
-    Shader { name: "progressive/cleanup", parts: &[GRID, VIEW, PACK, include_str!("cleanup.wgsl")] };
+pub(super) const SHADER: Shader = Shader {
+    name: "progressive/cleanup",
+    parts: &[GRID, VIEW, VISIBILITY, PACK, include_str!("cleanup.wgsl")],
+};
 
 #[derive(Debug)]
 pub(super) struct Cleanup(ComputePass);

@@ -10,26 +10,13 @@
 @group(0) @binding(7) var<storage, read_write> albedo_out: array<vec2u>;
 @group(0) @binding(8) var<storage, read_write> emission_out: array<vec2u>;
 
-// Half the extent of a cell along the view's depth axis.
-fn cleanup_bias() -> f32 {
-    let m = view.eye_from_world;
-    let depth_axis = vec3f(m[0].z, m[1].z, m[2].z);
-    return 0.5 * grid.cell_size * dot(abs(depth_axis), vec3f(1.0));
-}
-
 fn proven_empty(center: vec3f) -> bool {
-    let clip = view.clip_from_world * vec4f(center, 1.0);
-    if clip.w <= 0.0 {
+    let at = projected(view, center);
+    if !at.inside {
         return false;
     }
-    let ndc = clip.xyz / clip.w;
-    if any(abs(ndc.xy) >= vec2f(1.0)) || ndc.z < 0.0 || ndc.z > 1.0 {
-        return false;
-    }
-    let texel = vec2u(uv_from_ndc(ndc.xy) * vec2f(view.size));
-    let recorded = textureLoad(depth, texel, 0).r;
-    let surface = view.world_from_clip * vec4f(ndc.xy, recorded, 1.0);
-    return eye_distance(view, center) < eye_distance(view, surface.xyz / surface.w) - cleanup_bias();
+    let surface = lifted(view, at.ndc, textureLoad(depth, at.texel, 0).r);
+    return eye_distance(view, center) < eye_distance(view, surface) - cell_reach(grid, view);
 }
 
 @compute @workgroup_size(64)

@@ -21,13 +21,23 @@ pub(super) enum Replace {
     Yes,
 }
 
+impl Replace {
+    /// What the cell's light is multiplied with before the new light is added.
+    pub(super) fn factor(self) -> f64 {
+        match self {
+            Self::No => 1.0,
+            Self::Yes => 0.0,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct LightResolve(ComputePass);
 
 impl LightResolve {
     pub(super) fn new(gpu: &Gpu, replace: Replace) -> Self {
-        let keep = if replace == Replace::Yes { 0.0 } else { 1.0 };
-        Self(ComputePass::new(gpu, &SHADER, &[("KEEP", keep), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)]))
+        let constants = [("KEEP", replace.factor()), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)];
+        Self(ComputePass::new(gpu, &SHADER, &constants))
     }
 
     pub(super) fn record(

@@ -26,6 +26,7 @@ mod injection;
 mod light_injection;
 mod light_resolve;
 mod resolve;
+mod single_pass;
 mod view;
 
 use glam::Vec4;
@@ -35,6 +36,7 @@ use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid};
 
 pub use injection::SURFACE_SHIFT;
 pub use light_injection::LIGHT_SUM_WORDS;
+pub use single_pass::SinglePass;
 pub use view::{InjectionScale, LightView, ViewInput, ViewTextures};
 
 use cleanup::Cleanup;
@@ -217,5 +219,12 @@ impl Progressive {
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![cleanup::SHADER, injection::SHADER, light_injection::SHADER, light_resolve::SHADER, resolve::SHADER]
+    vec![
+        cleanup::SHADER,
+        injection::SHADER,
+        light_injection::SHADER,
+        light_resolve::SHADER,
+        resolve::SHADER,
+        single_pass::SHADER,
+    ]
 }

@@ -12,7 +12,7 @@ use lumivox::gpu::{
     read_texture,
 };
 use lumivox::light::{IRRADIANCE_FORMAT, IndirectLight};
-use lumivox::progressive::{CHANNELS, DirectLight, Progressive};
+use lumivox::progressive::{CHANNELS, DirectLight, Progressive, SinglePass};
 use lumivox::volume::NORMAL;
 use lumivox::wgpu;
 
@@ -36,6 +36,7 @@ struct Host {
     volume: VolumeBuffer,
     direct: DirectLight,
     progressive: Progressive,
+    single: SinglePass,
     light: IndirectLight,
     shots: [Shot; 3],
     irradiance: Texture,
@@ -48,6 +49,7 @@ impl Host {
         Ok(Self {
             direct: Progressive::direct_light(&gpu, &volume)?,
             progressive: Progressive::new(&gpu, &volume)?,
+            single: SinglePass::new(&gpu, &volume)?,
             light: IndirectLight::new(&gpu, &volume)?,
             shots: [a?, b?, c?],
             irradiance: Texture::target(&gpu, "irradiance", SIZE.to_array(), IRRADIANCE_FORMAT)?,
@@ -60,10 +62,16 @@ impl Host {
         Self::new(Gpu::new_blocking(&AdapterChoice::default(), tier)?)
     }
 
-    /// Two lamps and a camera. An even number of cleanups, so that the volume ends on the side it began on.
+    /// Two lamps and a camera, first by the single pass and then in two phases. An even number of turns of each, so that the
+    /// volume ends on the side it began on.
     fn record(&mut self, e: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
         let (gpu, volume, direct) = (&self.gpu, &mut self.volume, &mut self.direct);
         let [one, two, camera] = &self.shots;
+        self.single.record_begin(e, direct);
+        self.single.record_light(gpu, e, [one, two].map(|lamp| &lamp.input), volume, direct)?;
+        for shot in [one, camera] {
+            self.single.record_camera(gpu, e, &shot.input, volume, direct)?;
+        }
         for shot in [one, two, camera, camera] {
             self.progressive.record_cleanup(gpu, e, &shot.input, volume)?;
         }
@@ -233,6 +241,10 @@ fn binding_errors(_: &Labs) -> Result<(), Failed> {
     let error = run(&gpu, |e| progressive.record_cleanup(&gpu, e, &shot.input, &mut wrong));
     let text = error.expect_err("a volume without albedo").to_string();
     assert!(text.contains("progressive/cleanup") && text.contains("albedo"), "{text}");
+    let (mut single, mut direct) = (SinglePass::new(&gpu, &wrong)?, Progressive::direct_light(&gpu, &wrong)?);
+    let error = run(&gpu, |e| single.record_camera(&gpu, e, &shot.input, &mut wrong, &mut direct));
+    let text = error.expect_err("a volume without albedo").to_string();
+    assert!(text.contains("progressive/single_pass") && text.contains("albedo"), "{text}");
     gpu.wait()?;
     Ok(())
 }
@@ -261,6 +273,9 @@ fn large_grids(labs: &Labs) -> Result<(), Failed> {
     let volume = VolumeBuffer::new(gpu, cube(141), &[NORMAL])?;
     let sums = Progressive::new(gpu, &volume).map(|_| ());
     refused("the sums", sums, &["141 x 141 x 141".into(), "137 x 137 x 137".into()]);
+    let larger = VolumeBuffer::new(gpu, cube(178), &[NORMAL])?;
+    let single = SinglePass::new(gpu, &larger).map(|_| ());
+    refused("the single pass", single, &["178 x 178 x 178".into(), "177 x 177 x 177".into()]);
     let light = IndirectLight::new(gpu, &volume).map(|_| ());
     refused("the light", light, &["141 x 141 x 141".into(), "140 x 140 x 140".into()]);
     gpu.check()?;

@@ -1,4 +1,4 @@
-//! What cleanup and injection are defined to do, in double precision and without the shaders' code, for one cell or sample
+//! What cleanup, injection and the single pass are defined to do, in double precision and without the shaders' code, for one cell or sample
 //! at a time. Verdicts that single precision may turn over are marked as such.
 
 use lumivox::core::{Grid, View};
@@ -12,30 +12,117 @@ fn distance_along(view: &View, point: DVec3) -> f64 {
     -view.eye_from_world.as_dmat4().transform_point3(point).z
 }
 
-/// How far a cell lies before what the view shows there, less the bias, in cells: positive when it is proven empty. None
-/// when it is not in the picture, or so near a texel's border that single precision may look into the next texel.
-pub(crate) fn margin_of_emptiness(shot: &Shot, grid: &Grid, cell: UVec3) -> Result<f64, bool> {
+/// Where a view shows the centre of a cell.
+pub(crate) enum Seen {
+    /// So near a texel's border or the view's planes that single precision may decide otherwise.
+    Unsure,
+    Outside,
+    /// Number of the texel, and how far the centre lies behind what the texel's depth shows, in metres along the view.
+    At {
+        texel: usize,
+        behind: f64,
+    },
+}
+
+/// `CLEAR_OF_BORDER` is in texels: single precision places a centre to 1e-5 of them.
+pub(crate) fn seen(shot: &Shot, grid: &Grid, cell: UVec3) -> Seen {
     const CLEAR_OF_BORDER: f64 = 1e-4;
-    let cell_size = f64::from(grid.cell_size);
-    let center = grid.origin.as_dvec3() + cell_size * (cell.as_dvec3() + 0.5);
+    let center = grid.origin.as_dvec3() + f64::from(grid.cell_size) * (cell.as_dvec3() + 0.5);
     let clip: DVec4 = shot.view.clip_from_world.as_dmat4() * center.extend(1.0);
-    let ndc = clip.truncate() / clip.w;
-    let at = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * shot.picture.size.as_dvec2();
-    if (at - at.round()).abs().min_element() < CLEAR_OF_BORDER {
-        return Err(true);
+    if clip.w <= 0.0 {
+        return Seen::Outside;
     }
-    if clip.w <= 0.0 || at.min_element() < 0.0 || at.cmpge(shot.picture.size.as_dvec2()).any() {
-        return Err(false);
+    let (ndc, size) = (clip.truncate() / clip.w, shot.picture.size.as_dvec2());
+    let at = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
+    let beyond = |margin: f64| at.cmplt(DVec2::splat(margin)).any() || at.cmpgt(size - margin).any();
+    if beyond(-CLEAR_OF_BORDER) || ndc.z < -1e-5 || ndc.z > 1.0 + 1e-5 {
+        return Seen::Outside;
     }
-    if ndc.z < 0.0 || ndc.z > 1.0 {
-        return Err(ndc.z.abs().min((ndc.z - 1.0).abs()) < 1e-5);
+    let between_texels = (at - at.round()).abs().min_element() < CLEAR_OF_BORDER;
+    if between_texels || beyond(0.0) || ndc.z < 1e-5 || ndc.z > 1.0 - 1e-5 {
+        return Seen::Unsure;
     }
-    let depth = shot.picture.depth[(at.y as u32 * shot.picture.size.x + at.x as u32) as usize];
-    // What was not drawn lies at the far plane: a surface behind it may reach into the last cell before it.
-    let surface = distance_along(&shot.view, lifted(&shot.view, ndc.truncate(), depth));
-    let forward = shot.view.forward().as_dvec3().abs();
-    let bias = 0.5 * cell_size * forward.element_sum();
-    Ok((surface - bias - distance_along(&shot.view, center)) / cell_size)
+    let texel = (at.y as u32 * shot.picture.size.x + at.x as u32) as usize;
+    let surface = lifted(&shot.view, ndc.truncate(), shot.picture.depth[texel]);
+    let behind = distance_along(&shot.view, center) - distance_along(&shot.view, surface);
+    Seen::At { texel, behind }
+}
+
+/// Half the extent of a cell along the view's depth axis, in metres.
+fn reach(view: &View, grid: &Grid) -> f64 {
+    0.5 * f64::from(grid.cell_size) * view.forward().as_dvec3().abs().element_sum()
+}
+
+/// In cells: a verdict that turns over when its threshold moves by this much is too close to call.
+const CLOSE: f64 = 1e-4;
+
+/// Whether cleanup clears a cell; none when that is too close to call. What was not drawn lies at the far plane.
+pub(crate) fn proven_empty(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<bool> {
+    match seen(shot, grid, cell) {
+        Seen::Unsure => None,
+        Seen::Outside => Some(false),
+        Seen::At { behind, .. } => {
+            let margin = (-reach(&shot.view, grid) - behind) / f64::from(grid.cell_size);
+            (margin.abs() > CLOSE).then_some(margin > 0.0)
+        }
+    }
+}
+
+/// What the single pass does with a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// The view does not show the centre.
+    NotSeen,
+    Kept,
+    Cleared,
+    /// Takes what the texel of this number shows.
+    Written(usize),
+}
+
+/// None when the verdict is too close to call.
+pub(crate) fn verdict(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<Verdict> {
+    let (texel, behind) = match seen(shot, grid, cell) {
+        Seen::Unsure => return None,
+        Seen::Outside => return Some(Verdict::NotSeen),
+        Seen::At { texel, behind } => (texel, behind),
+    };
+    let normal = unit_normal(shot, texel);
+    // A surface that is moved against its normal moves away from the eye.
+    let cell_size = f64::from(grid.cell_size);
+    let moved = normal.map_or(0.0, |n| SURFACE_SHIFT * cell_size * -n.dot(shot.view.forward().as_dvec3()));
+    let (behind, reach) = (behind - moved, reach(&shot.view, grid));
+    let close = |threshold: f64| (behind - threshold).abs() < CLOSE * cell_size;
+    if close(-reach) || (normal.is_some() && close(reach)) {
+        return None;
+    }
+    Some(match normal {
+        _ if behind < -reach => Verdict::Cleared,
+        Some(_) if behind <= reach => Verdict::Written(texel),
+        _ => Verdict::Kept,
+    })
+}
+
+/// The normal of what a texel shows; none where nothing was drawn or no normal was given.
+fn unit_normal(shot: &Shot, texel: usize) -> Option<DVec3> {
+    let undrawn = if shot.view.reversed_depth { 0.0 } else { 1.0 };
+    let [x, y, z, _] = shot.picture.normal[texel].map(f64::from);
+    let normal = DVec3::new(x, y, z).try_normalize();
+    normal.filter(|_| shot.picture.depth[texel] != undrawn)
+}
+
+/// What injection and the single pass take from a texel that shows a surface: normal, albedo, emission, and three bands
+/// of light, the clamped cosine about the normal in the first four spherical harmonics.
+pub(crate) fn sample(shot: &Shot, texel: usize) -> Option<([DVec3; 3], [DVec4; 3])> {
+    let pi = std::f64::consts::PI;
+    let (n, picture) = (unit_normal(shot, texel)?, &shot.picture);
+    let rgb = |v: [half::f16; 4]| {
+        DVec3::new(v[0].into(), v[1].into(), v[2].into()).min(DVec3::splat(SCALE.radiance_max.into()))
+    };
+    let albedo = picture.albedo[texel].map(|v| f64::from(v) / 255.0);
+    let linear = (pi / 3.0).sqrt() * n;
+    let lobe = DVec4::new(0.5 * pi.sqrt(), linear.x, linear.y, linear.z);
+    let light = rgb(picture.radiance[texel]).to_array().map(|l| l * lobe);
+    Some(([n, DVec3::new(albedo[0], albedo[1], albedo[2]), rgb(picture.emission[texel])], light))
 }
 
 /// Sums of the samples that fall in one cell: normal, albedo, emission, and three bands of light.
@@ -52,7 +139,6 @@ pub(crate) struct Sums {
 pub(crate) fn defined_sums(shots: &[&Shot], grid: &Grid, stride: u32) -> Vec<Sums> {
     /// Error of a depth value lifted in single precision, in cells.
     const CLEAR_OF_BORDER: f64 = 5e-4;
-    let pi = std::f64::consts::PI;
     let mut cells = vec![Sums::default(); grid.cell_count() as usize];
     for shot in shots {
         let size = shot.picture.size;
@@ -60,8 +146,8 @@ pub(crate) fn defined_sums(shots: &[&Shot], grid: &Grid, stride: u32) -> Vec<Sum
         let points = points.flat_map(|y| (stride / 2..size.x).step_by(stride as usize).map(move |x| (x, y)));
         for (x, y) in points {
             let texel = (y * size.x + x) as usize;
-            let [nx, ny, nz, _] = shot.picture.normal[texel].map(f64::from);
-            let Some(n) = DVec3::new(nx, ny, nz).try_normalize() else { continue };
+            let Some((attributes, light)) = sample(shot, texel) else { continue };
+            let n = attributes[0];
             let depth = shot.picture.depth[texel];
             let world = lifted(&shot.view, ndc_of_texel(UVec2::new(x, y), size), depth);
             let p = (world - grid.origin.as_dvec3()) / f64::from(grid.cell_size) - SURFACE_SHIFT * n;
@@ -80,19 +166,12 @@ pub(crate) fn defined_sums(shots: &[&Shot], grid: &Grid, stride: u32) -> Vec<Sum
                 continue;
             }
             let sums = &mut cells[grid.index(corners[0].as_uvec3())];
-            let rgb = |v: [half::f16; 4]| {
-                DVec3::new(v[0].into(), v[1].into(), v[2].into()).min(DVec3::splat(SCALE.radiance_max.into()))
-            };
-            let albedo = shot.picture.albedo[texel].map(|v| f64::from(v) / 255.0);
             sums.count += 1.0;
-            sums.attributes[0] += n;
-            sums.attributes[1] += DVec3::new(albedo[0], albedo[1], albedo[2]);
-            sums.attributes[2] += rgb(shot.picture.emission[texel]);
-            // The clamped cosine about n in the first four spherical harmonics.
-            let linear = (pi / 3.0).sqrt() * n;
-            let lobe = DVec4::new(0.5 * pi.sqrt(), linear.x, linear.y, linear.z);
-            for (band, l) in rgb(shot.picture.radiance[texel]).to_array().into_iter().enumerate() {
-                sums.light[band] += l * lobe;
+            for (sum, value) in sums.attributes.iter_mut().zip(attributes) {
+                *sum += value;
+            }
+            for (sum, value) in sums.light.iter_mut().zip(light) {
+                *sum += value;
             }
         }
     }

@@ -5,9 +5,9 @@ use libtest_mimic::Failed;
 use lumivox::core::View;
 use lumivox::glam::{DVec3, UVec2, Vec2, Vec3, Vec4};
 use lumivox::gpu::{Gpu, GpuError};
-use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
+use lumivox::volume::NORMAL;
 
-use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, random_volume, views};
+use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
 use crate::support::{Lab, Paint, Picture, Shape, Shot, Thing, World, channel};
 use crate::{Labs, Test};
 
@@ -77,12 +77,9 @@ fn camera_replaces(labs: &Labs) -> Result<(), Failed> {
 fn light_only(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let [one, two, camera] = shots(gpu)?;
-    let before = random_volume(&grid());
     let frame = |only: bool, with_camera: bool| -> Result<_, Failed> {
         let mut world = World::new(&labs.core, grid())?;
-        for (name, values) in [NORMAL, ALBEDO, EMISSION].into_iter().zip(&before) {
-            world.volume.upload(gpu, name, values)?;
-        }
+        world.scatter(gpu, 11)?;
         let uploaded = world.read(gpu)?;
         world.inject_with(gpu, |progressive, e, volume, light| {
             let views = [&one.input, &two.input];

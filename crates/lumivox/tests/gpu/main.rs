@@ -10,6 +10,8 @@ mod energy;
 mod light;
 mod lighting;
 mod progressive;
+mod random_views;
+mod single_pass;
 mod support;
 
 use std::process::ExitCode;
@@ -39,7 +41,15 @@ fn main() -> ExitCode {
     let required = std::env::var("LUMIVOX_REQUIRE_GPU").is_ok_and(|v| v == "1");
     let labs = if args.list { Err(GpuError::NoAdapter(String::new())) } else { open() };
     let labs = labs.map(Arc::new);
-    let tests = [progressive::TESTS, lighting::TESTS, light::TESTS, energy::TESTS, contract::TESTS].concat();
+    let tests = [
+        progressive::TESTS,
+        lighting::TESTS,
+        light::TESTS,
+        energy::TESTS,
+        contract::TESTS,
+        single_pass::TESTS,
+    ]
+    .concat();
     let trials = tests.into_iter().map(|(name, body)| match &labs {
         Ok(labs) => {
             let labs = labs.clone();

@@ -4,14 +4,18 @@ use libtest_mimic::Failed;
 use lumivox::core::{Grid, View};
 use lumivox::glam::{DVec3, UVec2, UVec3, Vec2, Vec3, Vec4};
 use lumivox::gpu::Gpu;
+use lumivox::progressive::CHANNELS;
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
-use crate::definition::{defined_sums, margin_of_emptiness};
-use crate::support::{Paint, Picture, Random, SCALE, Shape, Shot, Thing, World, channel};
+use crate::definition::{defined_sums, proven_empty};
+use crate::random_views::random_shot;
+use crate::support::{Lab, Paint, Picture, SCALE, Shape, Shot, Thing, World, channel, is_mean};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
     ("progressive: cleanup clears what its definition clears", cleanup_is_its_definition),
+    ("progressive: cleanup by random views is its definition", cleanup_by_random_views),
+    ("progressive: injection by random views is its definition", injection_by_random_views),
     ("progressive: injection fills what its definition fills", injection_is_its_definition),
     ("progressive: half the points inject half the picture", coarse_injection_is_its_definition),
     ("progressive: nothing is injected where no surface is", nothing_from_nothing),
@@ -56,69 +60,69 @@ pub(crate) fn views() -> [(&'static str, View); 3] {
     ]
 }
 
+/// Seeds of the random views that every definition is held against.
+pub(crate) const RANDOM_SEEDS: std::ops::Range<u64> = 1..49;
+
 pub(crate) const SIZE: UVec2 = UVec2::new(80, 64);
 
-pub(crate) fn random_volume(grid: &Grid) -> [Vec<Vec4>; 3] {
-    let mut random = Random::new(7);
-    let mut channels = [const { Vec::new() }; 3];
-    for _ in 0..grid.cell_count() {
-        let occupied = if random.unit() < 0.5 { 0.0 } else { 1.0 };
-        channels[0].push(occupied * (random.cube() - 0.5).extend(1.0));
-        channels[1].push(occupied * random.cube().extend(0.0));
-        channels[2].push(occupied * random.cube().extend(0.0));
+/// Cells that cleanup cleared, kept, and whose verdict is too close to call.
+fn check_cleanup(lab: &Lab, shot: &Shot, name: &str) -> Result<[u64; 3], Failed> {
+    let mut world = World::new(lab, grid())?;
+    world.scatter(&lab.gpu, 7)?;
+    let before = world.read(&lab.gpu)?;
+    world.clean(&lab.gpu, shot)?;
+    let after = world.read(&lab.gpu)?;
+    let [mut cleared, mut kept, mut close] = [0; 3];
+    for (index, cell) in grid().cells().enumerate() {
+        let Some(empty) = proven_empty(shot, &grid(), cell) else {
+            close += 1;
+            continue;
+        };
+        for channel_name in CHANNELS {
+            let was = channel(&before, channel_name)[index];
+            let expected = if empty { Vec4::ZERO } else { was };
+            assert_eq!(channel(&after, channel_name)[index], expected, "{name}, {cell}");
+        }
+        if channel(&before, NORMAL)[index].w > 0.0 {
+            *(if empty { &mut cleared } else { &mut kept }) += 1;
+        }
     }
-    channels
+    eprintln!("cleanup, {name}: {cleared} cleared, {kept} kept, {close} too close to call");
+    assert!(close * 100 < grid().cell_count(), "{name}: {close} cells are too close to call");
+    Ok([cleared, kept, close])
 }
 
 fn cleanup_is_its_definition(labs: &Labs) -> Result<(), Failed> {
-    let (lab, grid) = (&labs.core, grid());
-    let before = random_volume(&grid);
+    let lab = &labs.core;
     for (name, view) in views() {
         let shot = Shot::take(&lab.gpu, view, SIZE, &[FLOOR, BALL, CHEST])?;
-        let mut world = World::new(lab, grid)?;
-        for (channel, values) in [NORMAL, ALBEDO, EMISSION].into_iter().zip(&before) {
-            world.volume.upload(&lab.gpu, channel, values)?;
-        }
-        let uploaded = world.read(&lab.gpu)?;
-        world.clean(&lab.gpu, &shot)?;
-        let after = world.read(&lab.gpu)?;
-        let (mut borderline, mut cleared, mut kept) = (0, 0, 0);
-        for (index, cell) in grid.cells().enumerate() {
-            let empty = match margin_of_emptiness(&shot, &grid, cell) {
-                Ok(margin) if margin.abs() < 1e-4 => None,
-                Ok(margin) => Some(margin > 0.0),
-                Err(true) => None,
-                Err(false) => Some(false),
-            };
-            let Some(empty) = empty else {
-                borderline += 1;
-                continue;
-            };
-            for name_of_channel in [NORMAL, ALBEDO, EMISSION] {
-                let was = channel(&uploaded, name_of_channel)[index];
-                let expected = if empty { Vec4::ZERO } else { was };
-                assert_eq!(channel(&after, name_of_channel)[index], expected, "{name}, {cell}");
-            }
-            if before[0][index].w > 0.0 {
-                *(if empty { &mut cleared } else { &mut kept }) += 1;
-            }
-        }
-        let all = grid.cell_count();
-        eprintln!("cleanup, {name}: {cleared} cleared, {kept} kept, {borderline} of {all} borderline");
+        let [cleared, kept, _] = check_cleanup(lab, &shot, name)?;
         assert!(cleared > 100 && kept > 100, "{name} shows too little: {cleared} cleared, {kept} kept");
-        assert!(borderline * 100 < all, "{name}: {borderline} of {all} cells are too close to call");
     }
     Ok(())
 }
 
-/// Whether a stored half float is a mean of samples that were each rounded to a step: half a step, and one part in
-/// 1024 for the conversion, which may truncate.
-fn is_mean(stored: f32, mean: f64, step: f64) -> bool {
-    let stored = f64::from(stored);
-    (stored - mean).abs() <= 0.5 * step + mean.abs() / 1024.0 + 1e-7
+fn cleanup_by_random_views(labs: &Labs) -> Result<(), Failed> {
+    let mut all = [0; 3];
+    for seed in RANDOM_SEEDS {
+        let (name, shot) = random_shot(&labs.core.gpu, &grid(), seed)?;
+        let counts = check_cleanup(&labs.core, &shot, &name)?;
+        all = std::array::from_fn(|i| all[i] + counts[i]);
+    }
+    eprintln!("cleanup by random views: cleared, kept, too close to call {all:?}");
+    assert!(all[0] > 10_000 && all[1] > 10_000, "the views show too little: {all:?}");
+    assert!(all[2] * 1000 < all[0] + all[1], "too many cells are too close to call: {all:?}");
+    Ok(())
 }
 
-fn check_injection(gpu: &Gpu, world: &World, shots: &[&Shot], stride: u32, name: &str) -> Result<(), Failed> {
+/// Cells that hold samples, and those of them with a sample on their border.
+fn check_injection(
+    gpu: &Gpu,
+    world: &World,
+    shots: &[&Shot],
+    stride: u32,
+    name: &str,
+) -> Result<[u64; 2], Failed> {
     let [step, light_step] =
         [SCALE.attribute_points, SCALE.light_points].map(|n| f64::from(n) / 2f64.powi(30));
     let [emission_step, light_step] = [step, light_step].map(|step| step * f64::from(SCALE.radiance_max));
@@ -154,9 +158,11 @@ fn check_injection(gpu: &Gpu, world: &World, shots: &[&Shot], stride: u32, name:
         }
     }
     eprintln!("injection, {name}: {occupied} cells, {uncertain} of them with a sample on their border");
-    assert!(occupied > 100, "{name} shows too little");
-    assert!(uncertain * 20 < occupied, "{name}: {uncertain} of {occupied} cells are too close to call");
-    Ok(())
+    Ok([occupied, uncertain])
+}
+
+fn assert_few_uncertain([occupied, uncertain]: [u64; 2]) {
+    assert!(uncertain * 20 < occupied, "{uncertain} of {occupied} cells are too close to call");
 }
 
 fn injection_is_its_definition(labs: &Labs) -> Result<(), Failed> {
@@ -165,8 +171,24 @@ fn injection_is_its_definition(labs: &Labs) -> Result<(), Failed> {
         let shot = Shot::take(gpu, view, SIZE, &[FLOOR, BALL, CHEST])?;
         let mut world = World::new(&labs.core, grid())?;
         world.inject(gpu, &[], Some(&shot))?;
-        check_injection(gpu, &world, &[&shot], 1, name)?;
+        let counts = check_injection(gpu, &world, &[&shot], 1, name)?;
+        assert!(counts[0] > 100, "{name} shows too little");
+        assert_few_uncertain(counts);
     }
+    Ok(())
+}
+
+fn injection_by_random_views(labs: &Labs) -> Result<(), Failed> {
+    let (gpu, mut all) = (&labs.core.gpu, [0; 2]);
+    for seed in RANDOM_SEEDS {
+        let (name, shot) = random_shot(gpu, &grid(), seed)?;
+        let mut world = World::new(&labs.core, grid())?;
+        world.inject(gpu, &[], Some(&shot))?;
+        let counts = check_injection(gpu, &world, &[&shot], 1, &name)?;
+        all = std::array::from_fn(|i| all[i] + counts[i]);
+    }
+    assert!(all[0] > 5_000, "the views show too little: {} cells", all[0]);
+    assert_few_uncertain(all);
     Ok(())
 }
 
@@ -176,7 +198,10 @@ fn coarse_injection_is_its_definition(labs: &Labs) -> Result<(), Failed> {
     let shot = Shot::of(gpu, view, picture, SIZE / 2)?;
     let mut world = World::new(&labs.core, grid())?;
     world.inject(gpu, &[&shot], None)?;
-    check_injection(gpu, &world, &[&shot], 2, "every other texel")
+    let counts = check_injection(gpu, &world, &[&shot], 2, "every other texel")?;
+    assert!(counts[0] > 100, "every other texel shows too little");
+    assert_few_uncertain(counts);
+    Ok(())
 }
 
 fn nothing_from_nothing(labs: &Labs) -> Result<(), Failed> {

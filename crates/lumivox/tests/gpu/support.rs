@@ -8,7 +8,9 @@ use lumivox::core::{Grid, HostVolume, View};
 use lumivox::glam::{DMat4, DVec2, DVec3, UVec2, UVec3, Vec3, Vec4};
 use lumivox::gpu::{Gpu, GpuError, Texture, TextureOptions};
 use lumivox::light::IndirectLight;
-use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive, ViewInput, ViewTextures};
+use lumivox::progressive::{
+    CHANNELS, DirectLight, InjectionScale, Progressive, SinglePass, ViewInput, ViewTextures,
+};
 use lumivox::wgpu;
 
 /// The largest frame here, two lamps and a camera, and the largest view.
@@ -19,6 +21,7 @@ pub(crate) const SCALE: InjectionScale =
 pub(crate) struct Stages {
     pub(crate) progressive: Progressive,
     pub(crate) light: IndirectLight,
+    pub(crate) single: SinglePass,
 }
 
 /// A device and the stages made on it so far.
@@ -42,6 +45,7 @@ impl Lab {
         let stages = Arc::new(Mutex::new(Stages {
             progressive: Progressive::new(&self.gpu, volume)?,
             light: IndirectLight::new(&self.gpu, volume)?,
+            single: SinglePass::new(&self.gpu, volume)?,
         }));
         made.push((dims, stages.clone()));
         Ok(stages)
@@ -124,6 +128,37 @@ impl World {
         })
     }
 
+    /// The single pass of a frame as the test records it.
+    pub(crate) fn single_pass(
+        &mut self,
+        gpu: &Gpu,
+        record: impl FnOnce(
+            &mut SinglePass,
+            &mut wgpu::CommandEncoder,
+            &mut VolumeBuffer,
+            &mut DirectLight,
+        ) -> Result<(), GpuError>,
+    ) -> Result<(), GpuError> {
+        let single = &mut locked(&self.stages).single;
+        run(gpu, |e| record(single, e, &mut self.volume, &mut self.light))
+    }
+
+    /// Fills the volume and its light with random values, in half of the cells.
+    pub(crate) fn scatter(&mut self, gpu: &Gpu, seed: u64) -> Result<(), GpuError> {
+        let mut random = Random::new(seed);
+        let mut channels = [const { Vec::new() }; 3];
+        let mut light = Vec::new();
+        for _ in 0..self.volume.grid().cell_count() {
+            let occupied = if random.unit() < 0.5 { 0.0 } else { 1.0 };
+            channels[0].push(occupied * (random.cube() - 0.5).extend(1.0));
+            channels[1].push(occupied * random.cube().extend(0.0));
+            channels[2].push(occupied * random.cube().extend(0.0));
+            light.push([(); 3].map(|()| occupied * random.cube().extend(random.unit())));
+        }
+        self.light.upload(gpu, &light);
+        CHANNELS.into_iter().zip(&channels).try_for_each(|(name, v)| self.volume.upload(gpu, name, v))
+    }
+
     /// A channel's values.
     pub(crate) fn read(&self, gpu: &Gpu) -> Result<HostVolume, GpuError> {
         self.volume.read_back(gpu)
@@ -191,7 +226,8 @@ pub(crate) struct Picture {
     pub(crate) radiance: Vec<[f16; 4]>,
 }
 
-fn halves(v: DVec3) -> [f16; 4] {
+/// Four half floats as textures hold them.
+pub(crate) fn halves(v: DVec3) -> [f16; 4] {
     v.extend(1.0).to_array().map(f16::from_f64)
 }
 
@@ -289,6 +325,13 @@ pub(crate) fn ndc_of_texel(texel: UVec2, size: UVec2) -> DVec2 {
 pub(crate) fn lifted(view: &View, ndc: DVec2, depth: f32) -> DVec3 {
     let inverse: DMat4 = view.clip_from_world.as_dmat4().inverse();
     inverse.project_point3(ndc.extend(f64::from(depth)))
+}
+
+/// Whether a stored half float is a mean of samples that were each rounded to a step: half a step, and one part in
+/// 1024 for the conversion, which may truncate.
+pub(crate) fn is_mean(stored: f32, mean: f64, step: f64) -> bool {
+    let stored = f64::from(stored);
+    (stored - mean).abs() <= 0.5 * step + mean.abs() / 1024.0 + 1e-7
 }
 
 /// Numbers that are the same on every machine.

@@ -1,0 +1,140 @@
+//! Single-pass voxelization (6.2.3; dissertation 7.4.3): cleanup and injection in one, without points, sums and atomics.
+//!
+//! Every cell asks a view once. Its centre is projected into the view as in [`cleanup`](super::cleanup); let `p` be the
+//! centre's distance along the view direction, `z` that of what the depth image shows at its texel, and `b` half the
+//! cell's extent along the view's depth axis.
+//!
+//! | condition | the cell is |
+//! | --- | --- |
+//! | `p < z - b` | cleared, its light too |
+//! | `z - b <= p <= z + b`, and the texel shows a surface | written with the attributes and the light of the texel |
+//! | else | kept |
+//!
+//! The surface is moved [`SURFACE_SHIFT`] of a cell against its normal first, so that one on a cell boundary belongs to the cell
+//! behind its visible side here too. Centres outside the view's frustum are kept, texels on which nothing was drawn show
+//! the far plane. Views run one after another, each in its own ping-pong turn, so where two see a cell the later one has the
+//! last word.
+//!
+//! **One sample per cell and view**, its centre, as in the papers: the cost is one read of each picture per cell, whatever
+//! the size of the pictures, and what a cell holds is what one texel shows. In exchange cells are missed that injection finds:
+//! a surface is looked for along the ray through the centre alone, so things thinner than the rays are apart slip through,
+//! and a surface that a view sees under a grazing angle passes through cells whose centre's ray meets it further
+//! away than `b`.
+
+use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
+use crate::volume::{VolumeBuffer, check_grid};
+use crate::wgsl::{GRID, PACK, SH, VIEW, VISIBILITY, linear_groups};
+
+use super::light_resolve::Replace;
+use super::{DirectLight, SURFACE_SHIFT, ViewInput};
+
+pub(super) const SHADER: Shader = Shader {
+    name: "progressive/single_pass",
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, include_str!("single_pass.wgsl")],
+};
+
+/// The single-pass form of progressive voxelization (6.2.3), for volumes of one grid: used in place of
+/// [`Progressive`](super::Progressive), on the same volume, views and light.
+///
+/// A frame is [`record_begin`](Self::record_begin), [`record_light`](Self::record_light) for each light, then
+/// [`record_camera`](Self::record_camera). Each view clears what it proves empty, writes what it shows and keeps the rest.
+///
+/// What differs from cleanup and injection: a cell takes what *one* texel shows, not the mean of all points in it;
+/// attributes are those of the last view that shows the cell, not the mean over views; a later view can clear what an
+/// earlier one of the same frame has written, with its light; and fewer cells are found. It needs 4 bytes a cell in
+/// place of 92, and its cost depends on the number of cells and not on the number of points.
+#[derive(Debug)]
+pub struct SinglePass {
+    add: ComputePass,
+    replace: ComputePass,
+    decided: Buffer,
+}
+
+impl SinglePass {
+    /// Compiles the stage.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] when the light of the grid's cells does not fit the device: 177 cells a side on the core tier.
+    pub fn new(gpu: &Gpu, volume: &VolumeBuffer) -> Result<Self, GpuError> {
+        check_grid(gpu, "the direct light of a volume", volume.grid(), DirectLight::CELL_BYTES)?;
+        let pass = |replace: Replace| {
+            let constants = [("SURFACE_SHIFT", SURFACE_SHIFT), ("KEEP", replace.factor())];
+            ComputePass::new(gpu, &SHADER, &constants)
+        };
+        let bytes = volume.grid().cell_count() * size_of::<u32>() as u64;
+        Ok(Self {
+            add: pass(Replace::No),
+            replace: pass(Replace::Yes),
+            decided: Buffer::storage(gpu, "single pass/decided", bytes)?,
+        })
+    }
+
+    /// Begins a frame: no light anywhere. Attributes stay.
+    pub fn record_begin(&self, encoder: &mut wgpu::CommandEncoder, light: &mut DirectLight) {
+        encoder.clear_buffer(&light.sh.raw, 0, None);
+    }
+
+    /// The views of *one* light: one, or the six of a point light. Where a cell is written, what its texel reflects of the light
+    /// is added to the cell's light. The first of the views that has the cell's centre in its picture decides, so a centre
+    /// on a border that two views share is neither passed over nor counted twice.
+    pub fn record_light<'v>(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        views: impl IntoIterator<Item = &'v ViewInput>,
+        volume: &mut VolumeBuffer,
+        light: &mut DirectLight,
+    ) -> Result<(), GpuError> {
+        let Self { add, decided, .. } = self;
+        encoder.clear_buffer(&decided.raw, 0, None);
+        views.into_iter().try_for_each(|view| record(add, gpu, encoder, view, volume, (light, decided)))
+    }
+
+    /// The camera, after all lights: where a cell is written, the texel's light takes the place of the lights' sum.
+    pub fn record_camera(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &ViewInput,
+        volume: &mut VolumeBuffer,
+        light: &mut DirectLight,
+    ) -> Result<(), GpuError> {
+        let Self { replace, decided, .. } = self;
+        encoder.clear_buffer(&decided.raw, 0, None);
+        record(replace, gpu, encoder, view, volume, (light, decided))
+    }
+}
+
+fn record(
+    pass: &ComputePass,
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    view: &ViewInput,
+    volume: &mut VolumeBuffer,
+    (light, decided): (&mut DirectLight, &mut Buffer),
+) -> Result<(), GpuError> {
+    let groups = linear_groups(volume.grid().cell_count() as u32);
+    let (grid, mut channels) = volume.ping_pong();
+    let [normal, albedo, emission] = channels.as_mut_slice() else {
+        return Err(super::resolve::wrong_channels(SHADER.name));
+    };
+    let bindings = Bindings::new()
+        .read("grid", grid)
+        .read("view", &view.uniform)
+        .read("depth", &view.textures.depth)
+        .read("normal", &view.textures.normal)
+        .read("albedo", &view.textures.albedo)
+        .read("emission", &view.textures.emission)
+        .read("radiance", &view.textures.radiance)
+        .read("normal_in", normal.0)
+        .read("albedo_in", albedo.0)
+        .read("emission_in", emission.0)
+        .write("normal_out", normal.1)
+        .write("albedo_out", albedo.1)
+        .write("emission_out", emission.1)
+        .write("light", &mut light.sh)
+        .write("decided", decided);
+    pass.record(gpu, encoder, &bindings, groups)?;
+    volume.swap();
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! Random cameras and random pictures: perspective and orthographic, standard and reversed depth, from outside a volume and
+//! from inside, of things, of noise and of nothing.
+
+use lumivox::core::{Grid, View};
+use lumivox::glam::{DVec3, UVec2, Vec2, Vec3, Vec3Swizzles};
+use lumivox::gpu::{Gpu, GpuError};
+
+use crate::support::{Paint, Picture, Random, Shape, Shot, Thing, halves, ndc_of_texel};
+
+/// What random views show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Subject {
+    /// Planes, boxes and spheres.
+    Things,
+    /// A surface of its own at every texel, which makes a silhouette of every border between texels.
+    Noise,
+    /// Nothing was drawn.
+    Nothing,
+}
+
+/// A random view of the grid and what it shows.
+pub(crate) fn random_shot(gpu: &Gpu, grid: &Grid, seed: u64) -> Result<(String, Shot), GpuError> {
+    let mut random = Random::new(seed);
+    let subject = match seed % 8 {
+        0 => Subject::Nothing,
+        1..=4 => Subject::Things,
+        _ => Subject::Noise,
+    };
+    let view = random_view(&mut random, grid);
+    let side = |random: &mut Random| 16 + (80.0 * random.unit()) as u32;
+    let size = UVec2::new(side(&mut random), side(&mut random));
+    let picture = match subject {
+        Subject::Nothing => Picture::take(&view, size, &[]),
+        Subject::Things => Picture::take(&view, size, &random_things(&mut random, grid)),
+        Subject::Noise => noise(&mut random, &view, size),
+    };
+    let name = format!("{seed}, {subject:?}, {:?}, reversed {}", view.projection, view.reversed_depth);
+    Ok((name, Shot::of(gpu, view, picture, size)?))
+}
+
+fn direction(random: &mut Random) -> Vec3 {
+    (random.cube() - 0.5).try_normalize().unwrap_or(Vec3::Y)
+}
+
+/// Planes near enough that single precision lifts a depth value to a few 1e-5 cells.
+fn random_view(random: &mut Random, grid: &Grid) -> View {
+    let bounds = grid.bounds();
+    let inside = random.unit() < 0.4;
+    let eye = match inside {
+        true => bounds.min + random.cube() * bounds.size(),
+        false => bounds.center() + (0.5 + 0.6 * random.unit()) * bounds.size().length() * direction(random),
+    };
+    let target = bounds.min + random.cube() * bounds.size();
+    let up = direction(random);
+    let far = 5.0 + 5.0 * random.unit();
+    let view = if random.unit() < 0.6 {
+        let (near, fov) = (0.3 + 0.7 * random.unit(), 0.4 + 1.8 * random.unit());
+        View::perspective(eye, target, up, fov, 0.6 + random.unit(), near, far)
+    } else {
+        View::orthographic(eye, target, up, Vec2::splat(1.0) + 7.0 * random.cube().truncate(), far)
+    };
+    if random.unit() < 0.5 { view.with_reversed_depth() } else { view }
+}
+
+fn paint(p: DVec3) -> Paint {
+    let wave = |k: f64| 0.5 + 0.5 * (k * p.x + 2.0 * p.y - 1.3 * p.z).sin();
+    let albedo = DVec3::new(wave(1.0), wave(2.7), wave(4.1));
+    // Partly brighter than the scale represents.
+    Paint { albedo, emission: 5.0 * albedo.yzx(), radiance: 6.0 * albedo.zxy() }
+}
+
+fn random_things(random: &mut Random, grid: &Grid) -> Vec<Thing> {
+    let bounds = grid.bounds();
+    (0..8)
+        .map(|number| {
+            let point = (bounds.min + random.cube() * bounds.size()).as_dvec3();
+            let extent = DVec3::splat(0.02) + 1.5 * random.cube().as_dvec3();
+            let shape = match number {
+                0 => Shape::Plane { point, normal: direction(random).as_dvec3() },
+                1..=4 => Shape::Sphere { center: point, radius: extent.x },
+                _ => Shape::Box { min: point - extent, max: point + extent },
+            };
+            Thing(shape, paint)
+        })
+        .collect()
+}
+
+/// Of a hundred texels eight show nothing, of which some have a normal all the same, and some others have none.
+fn noise(random: &mut Random, view: &View, size: UVec2) -> Picture {
+    let mut picture = Picture::take(view, size, &[]);
+    let clip_from_world = view.clip_from_world.as_dmat4();
+    let world_from_clip = clip_from_world.inverse();
+    let (near, far) = if view.reversed_depth { (1.0, 0.0) } else { (0.0, 1.0) };
+    let forward = view.forward();
+    for texel in 0..(size.x * size.y) {
+        let index = texel as usize;
+        let ndc = ndc_of_texel(UVec2::new(texel % size.x, texel / size.x), size);
+        let start = world_from_clip.project_point3(ndc.extend(near));
+        let along = world_from_clip.project_point3(ndc.extend(far)) - start;
+        let point = start + f64::from(random.unit()) * along;
+        let (kind, n) = (random.unit(), direction(random));
+        if kind > 0.08 {
+            picture.depth[index] = clip_from_world.project_point3(point).z as f32;
+        }
+        if kind > 0.05 && kind < 0.95 {
+            picture.normal[index] = halves((n * -n.dot(forward).signum()).as_dvec3());
+        }
+        let shown = paint(point);
+        picture.albedo[index] = (255.0 * shown.albedo).extend(255.0).to_array().map(|v| v.round() as u8);
+        picture.emission[index] = halves(shown.emission);
+        picture.radiance[index] = halves(shown.radiance);
+    }
+    picture
+}
