@@ -6,6 +6,7 @@
 //!    |
 //!    +-- progressive::cleanup     cells that a depth image proves empty are cleared
 //!    +-- progressive::injection   surface points become cells; light that leaves them is summed per light
+//!    |   (or progressive::SinglePass in place of both: cheaper, coarser)
 //!           |
 //!           v
 //!      VolumeBuffer (normal + occupancy, albedo, emission)  +  direct light (SH)

@@ -8,6 +8,8 @@
 //! turn. *Injection* then turns the views' texels into surface points, and the cells they fall in are written. Cells that no
 //! view sees keep what they held: that is what makes the volume grow over the frames.
 //!
+//! [`SinglePass`] does both in one stage (6.2.3): cheaper, and coarser. A host uses the one or the other.
+//!
 //! What a view must bring is [`ViewTextures`]. The camera's G-buffer and the lights' reflective shadow maps have the
 //! same pictures, and any other depth image with attributes will do.
 //!

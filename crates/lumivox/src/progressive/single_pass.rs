@@ -16,10 +16,7 @@
 //! last word.
 //!
 //! **One sample per cell and view**, its centre, as in the papers: the cost is one read of each picture per cell, whatever
-//! the size of the pictures, and what a cell holds is what one texel shows. In exchange cells are missed that injection finds:
-//! a surface is looked for along the ray through the centre alone, so things thinner than the rays are apart slip through,
-//! and a surface that a view sees under a grazing angle passes through cells whose centre's ray meets it further
-//! away than `b`.
+//! the size of the pictures, and what a cell holds is what one texel shows. What that costs is told at [`SinglePass`].
 
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::{VolumeBuffer, check_grid};
@@ -41,8 +38,20 @@ pub(super) const SHADER: Shader = Shader {
 ///
 /// What differs from cleanup and injection: a cell takes what *one* texel shows, not the mean of all points in it;
 /// attributes are those of the last view that shows the cell, not the mean over views; a later view can clear what an
-/// earlier one of the same frame has written, with its light; and fewer cells are found. It needs 4 bytes a cell in
-/// place of 92, and its cost depends on the number of cells and not on the number of points.
+/// earlier one of the same frame has written, with its light. It needs 4 bytes a cell in place of 92, and its cost depends
+/// on the number of cells and not on the number of points: with 61,000 cells and 512 x 512 points in each of three views it
+/// took a quarter of the time of cleanup and injection on a software driver.
+///
+/// **Limits.** The surface is looked for along the ray through a cell's centre alone.
+///
+/// - Things narrower than a cell slip through between the rays.
+/// - A wall across the axis `x`, seen along the direction `d`, comes out `|dx| * (|dx| + |dy| + |dz|)` layers of cells thick
+///   on average over its positions within a cell: 1 for `d` along the axis, at 45 degrees from it towards another axis, or
+///   along a diagonal; 1.2 at 20 degrees; 0.68 at 60 and 0.32 at 75 degrees. Below 1 it is missed at some positions,
+///   and its cells are cleared or kept; above 1 it is two layers thick at some.
+/// - In a scene of a floor, a ball and a box, of the 490 to 570 cells that injection fills from one dense view, the single pass
+///   fills 52 to 76 % from the same view; of the 760 from three views, 78 %. Of what it fills itself, 12 to 46 % from one
+///   view and 24 % from three are cells beside the surface that injection leaves empty.
 #[derive(Debug)]
 pub struct SinglePass {
     add: ComputePass,
