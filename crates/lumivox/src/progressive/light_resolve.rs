@@ -22,8 +22,8 @@ pub(super) enum Replace {
 }
 
 impl Replace {
-    /// What the cell's light is multiplied with before the new light is added.
-    pub(super) fn factor(self) -> f64 {
+    /// The shaders' constant `ADDS`, a truth value.
+    pub(super) fn adds(self) -> f64 {
         match self {
             Self::No => 1.0,
             Self::Yes => 0.0,
@@ -36,7 +36,7 @@ pub(super) struct LightResolve(ComputePass);
 
 impl LightResolve {
     pub(super) fn new(gpu: &Gpu, replace: Replace) -> Self {
-        let constants = [("KEEP", replace.factor()), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)];
+        let constants = [("ADDS", replace.adds()), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)];
         Self(ComputePass::new(gpu, &SHADER, &constants))
     }
 

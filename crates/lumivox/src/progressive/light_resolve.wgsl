@@ -5,8 +5,8 @@
 @group(0) @binding(2) var<storage, read> light_sums: array<i32>;
 @group(0) @binding(3) var<storage, read_write> light: array<vec2u>;
 
-// 1 adds, 0 replaces.
-override KEEP: f32;
+// Adds to the light of the cell or replaces it.
+override ADDS: bool;
 override LIGHT_SUM_WORDS: u32;
 
 @compute @workgroup_size(64)
@@ -24,6 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         let first = at + 4u * band;
         let sum = vec4i(light_sums[first], light_sums[first + 1u], light_sums[first + 2u], light_sums[first + 3u]);
         let mean = vec4f(sum) / (count * view.light_steps);
-        light[3u * index + band] = pack_half4(KEEP * unpack_half4(light[3u * index + band]) + mean);
+        let before = select(vec4f(0.0), unpack_half4(light[3u * index + band]), ADDS);
+        light[3u * index + band] = pack_half4(before + mean);
     }
 }

@@ -67,7 +67,7 @@ impl SinglePass {
     pub fn new(gpu: &Gpu, volume: &VolumeBuffer) -> Result<Self, GpuError> {
         check_grid(gpu, "the direct light of a volume", volume.grid(), DirectLight::CELL_BYTES)?;
         let pass = |replace: Replace| {
-            let constants = [("SURFACE_SHIFT", SURFACE_SHIFT), ("KEEP", replace.factor())];
+            let constants = [("SURFACE_SHIFT", SURFACE_SHIFT), ("ADDS", replace.adds())];
             ComputePass::new(gpu, &SHADER, &constants)
         };
         let bytes = volume.grid().cell_count() * size_of::<u32>() as u64;

@@ -18,8 +18,8 @@
 @group(0) @binding(14) var<storage, read_write> decided: array<u32>;
 
 override SURFACE_SHIFT: f32;
-// 1 adds to the light of the cell, 0 replaces it.
-override KEEP: f32;
+// Adds to the light of the cell or replaces it.
+override ADDS: bool;
 
 const KEPT: u32 = 0u;
 const CLEARED: u32 = 1u;
@@ -46,7 +46,8 @@ fn unit_normal(texel: vec2u, recorded: f32) -> vec3f {
 }
 
 fn write_light(at: u32, band: u32, value: vec4f) {
-    light[at + band] = pack_half4(KEEP * unpack_half4(light[at + band]) + value);
+    let before = select(vec4f(0.0), unpack_half4(light[at + band]), ADDS);
+    light[at + band] = pack_half4(before + value);
 }
 
 @compute @workgroup_size(64)

@@ -241,9 +241,9 @@ fn thickness_of_walls(labs: &Labs) -> Result<(), Failed> {
     const POSITIONS: u32 = 40;
     let gpu = &labs.core.gpu;
     let angle = |degrees: f32| Vec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0);
-    let slant = Vec3::new(0.3, 0.5, -0.8).normalize();
+    let slant = Vec3::new(0.3, 0.5, -0.8).normalize_or_zero();
     for direction in
-        [Vec3::X, angle(20.0), angle(45.0), angle(60.0), angle(75.0), Vec3::ONE.normalize(), slant]
+        [Vec3::X, angle(20.0), angle(45.0), angle(60.0), angle(75.0), Vec3::ONE.normalize_or_zero(), slant]
     {
         let center = grid().bounds().center();
         let view = View::orthographic(center - 5.0 * direction, center, Vec3::Z, Vec2::splat(8.0), 10.0);
