@@ -5,7 +5,8 @@ use lumivox::core::{Grid, View};
 use lumivox::glam::{DVec2, DVec3, DVec4, IVec3, UVec2, UVec3};
 use lumivox::progressive::SURFACE_SHIFT;
 
-use crate::support::{SCALE, Shot, lifted, ndc_of_texel};
+use crate::picture::{lifted, ndc_of_texel};
+use crate::support::{SCALE, Shot};
 
 /// Distance from the eye along the view direction, in double precision.
 fn distance_along(view: &View, point: DVec3) -> f64 {

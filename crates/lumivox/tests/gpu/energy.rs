@@ -13,7 +13,8 @@ use lumivox::gpu::{GpuError, Texture, read_texture};
 use lumivox::light::IRRADIANCE_FORMAT;
 
 use crate::cells::{Cells, Incident, incident, propagate, uploaded};
-use crate::support::{Lab, Paint, Shape, Shot, Thing, locked, run};
+use crate::picture::{Paint, Shape, Thing};
+use crate::support::{Lab, Shot, locked, run};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[

@@ -7,8 +7,9 @@ use lumivox::glam::{DVec3, UVec2, Vec2, Vec3, Vec4};
 use lumivox::gpu::{Gpu, GpuError};
 use lumivox::volume::NORMAL;
 
+use crate::picture::{Paint, Picture, Shape, Thing};
 use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
-use crate::support::{Lab, Paint, Picture, Shape, Shot, Thing, World, channel};
+use crate::support::{Lab, Shot, World, channel};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[

@@ -9,6 +9,7 @@ mod definition;
 mod energy;
 mod light;
 mod lighting;
+mod picture;
 mod progressive;
 mod random_views;
 mod single_pass;

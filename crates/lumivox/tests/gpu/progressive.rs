@@ -8,8 +8,9 @@ use lumivox::progressive::CHANNELS;
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
 use crate::definition::{defined_sums, proven_empty};
+use crate::picture::{Paint, Picture, Shape, Thing};
 use crate::random_views::random_shot;
-use crate::support::{Lab, Paint, Picture, SCALE, Shape, Shot, Thing, World, channel, is_mean};
+use crate::support::{Lab, SCALE, Shot, World, channel, is_mean};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[

@@ -5,7 +5,8 @@ use lumivox::core::{Grid, View};
 use lumivox::glam::{DVec3, UVec2, Vec2, Vec3, Vec3Swizzles};
 use lumivox::gpu::{Gpu, GpuError};
 
-use crate::support::{Paint, Picture, Random, Shape, Shot, Thing, halves, ndc_of_texel};
+use crate::picture::{Paint, Picture, Shape, Thing, halves, ndc_of_texel};
+use crate::support::{Random, Shot};
 
 /// What random views show.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,9 +8,10 @@ use lumivox::progressive::CHANNELS;
 use lumivox::volume::NORMAL;
 
 use crate::definition::{Verdict, sample, verdict};
+use crate::picture::{Paint, Shape, Thing};
 use crate::progressive::{BALL, CHEST, FLOOR, RANDOM_SEEDS, SIZE, grid, views};
 use crate::random_views::random_shot;
-use crate::support::{Paint, Shape, Shot, Thing, World, channel, is_mean};
+use crate::support::{Shot, World, channel, is_mean};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
