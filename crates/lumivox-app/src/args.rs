@@ -146,6 +146,8 @@ pub(crate) enum VoxelizerArg {
     Triangles,
     /// What views have shown so far.
     Progressive,
+    /// The same, each cell asking each view once.
+    SinglePass,
     /// What views show in this frame.
     SingleFrame,
 }
@@ -155,6 +157,7 @@ impl From<VoxelizerArg> for VoxelSource {
         match arg {
             VoxelizerArg::Triangles => Self::Triangles,
             VoxelizerArg::Progressive => Self::Progressive,
+            VoxelizerArg::SinglePass => Self::SinglePass,
             VoxelizerArg::SingleFrame => Self::SingleFrame,
         }
     }

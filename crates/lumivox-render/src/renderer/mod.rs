@@ -3,6 +3,7 @@
 mod injected_lights;
 mod settings;
 mod shadowed_lights;
+mod view_voxelizer;
 
 use glam::{UVec2, Vec3};
 use lumivox::VolumeBuffer;
@@ -22,6 +23,7 @@ use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView
 use crate::triangles;
 use crate::voxel_view::VoxelView;
 use injected_lights::InjectedLights;
+use view_voxelizer::{Target, ViewVoxelizer};
 
 pub use settings::{GiMethod, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
@@ -66,7 +68,7 @@ pub struct Renderer {
     composite_pass: CompositePass,
     voxel_view: VoxelView,
     volume: VolumeBuffer,
-    progressive: Progressive,
+    voxelizer: ViewVoxelizer,
     direct_light: DirectLight,
     indirect: IndirectLight,
     irradiance: Texture,
@@ -86,7 +88,7 @@ impl Renderer {
         }
         let grid = Grid::fit_with_margin(&bounds, settings.grid)?;
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
-        let progressive = Progressive::new(gpu, &volume)?;
+        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
         let indirect = IndirectLight::new(gpu, &volume)?;
         let sampled_sky = if settings.area_samples > 0 { scene.sky } else { Vec3::ZERO };
@@ -117,7 +119,7 @@ impl Renderer {
             composite_pass,
             voxel_view: VoxelView::new(gpu),
             volume,
-            progressive,
+            voxelizer,
             direct_light,
             indirect,
             irradiance: Texture::target(gpu, "render/irradiance", settings.size.to_array(), HDR_FORMAT)?,
@@ -182,8 +184,7 @@ impl Renderer {
 
     /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
     pub fn frame(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
-        let Self { gpu, settings, scene, camera, shadowed, injected, volume, progressive, indirect, .. } =
-            self;
+        let Self { gpu, settings, scene, camera, shadowed, injected, volume, voxelizer, indirect, .. } = self;
         let gpu = &*gpu;
         let mut timer = StageTimer::new(gpu, clock);
 
@@ -207,36 +208,24 @@ impl Renderer {
 
         if needs_volume(settings) {
             // Views to volume, light by light, the camera last.
-            let cleans_up = settings.voxels == VoxelSource::Progressive;
+            let light = &mut self.direct_light;
             timer.stage(gpu, "progressive/cleanup", |e| {
-                if settings.voxels == VoxelSource::SingleFrame {
-                    volume.record_clear(e);
-                }
-                progressive.record_begin(e, &mut self.direct_light);
-                if cleans_up { progressive.record_cleanup(gpu, e, &camera.input, volume) } else { Ok(()) }
+                voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })
             })?;
             for source in &mut injected.sources {
                 timer.stage(gpu, "raster/rsm", |e| {
                     let mut views = source.views.iter_mut();
                     views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
                 })?;
-                let views = || source.views.iter().map(|v| &v.input);
                 timer.stage(gpu, "progressive/cleanup", |e| {
-                    let mut cleaning = views().filter(|_| cleans_up && source.is_full);
-                    cleaning.try_for_each(|v| progressive.record_cleanup(gpu, e, v, volume))
+                    voxelizer.record_cleanup(gpu, e, source, volume)
                 })?;
                 timer.stage(gpu, "progressive/injection", |e| {
-                    let light = &mut self.direct_light;
-                    if source.is_full {
-                        progressive.record_light(gpu, e, views(), volume, light)
-                    } else {
-                        progressive.record_light_only(gpu, e, views(), volume, light)
-                    }
+                    voxelizer.record_light(gpu, e, source, Target { volume, light })
                 })?;
             }
             timer.stage(gpu, "progressive/injection", |e| {
-                progressive.record_camera(gpu, e, &camera.input, volume, &mut self.direct_light)?;
-                progressive.record_end(gpu, e, &camera.input, volume)
+                voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })
             })?;
 
             // Volume to light.

@@ -12,6 +12,8 @@ pub enum VoxelSource {
     Triangles,
     /// Views alone, kept from frame to frame.
     Progressive,
+    /// As [`Self::Progressive`], in the single-pass form: a cell asks each view once.
+    SinglePass,
     /// Views alone, from nothing in every frame.
     SingleFrame,
 }
