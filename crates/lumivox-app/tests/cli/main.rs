@@ -11,6 +11,7 @@ mod compare;
 mod files;
 mod others;
 mod pictures;
+mod pixels;
 mod support;
 
 use std::process::ExitCode;
@@ -36,7 +37,12 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("outputs that cannot be written are named", files::unwritable_outputs),
     ("a picture and its statistics", pictures::picture_and_stats),
     ("an EXR is linear and upright", pictures::exr),
+    (
+        "an EXR shows the right thing at every pixel of every layer",
+        pixels::every_layer_shows_the_right_pixels,
+    ),
     ("a series has a file per frame", pictures::series),
+    ("a scene that moves", pixels::scenes_move),
     ("every layer", pictures::layers),
     ("every voxelizer, with and without indirect light", pictures::methods),
     ("a comparison with the path tracer", compare::against_the_tracer),
