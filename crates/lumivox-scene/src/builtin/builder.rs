@@ -2,12 +2,13 @@
 
 use glam::{Mat4, Quat, Vec2, Vec3};
 
+use super::MAX_DETAIL;
 use crate::{Camera, Instance, Light, Material, Mesh, Scene};
 
 /// Collects the triangles of one mesh. Surfaces are added with smooth or face normals as their shape asks for.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
-    mesh: Mesh,
+    pub(super) mesh: Mesh,
 }
 
 impl Builder {
@@ -44,7 +45,7 @@ impl Builder {
     }
 
     /// One triangle, wound so that its front is where its normals point.
-    fn triangle(&mut self, [a, b, c]: [u32; 3]) {
+    pub(super) fn triangle(&mut self, [a, b, c]: [u32; 3]) {
         let m = &self.mesh;
         let at = |i: u32| Vec3::from(m.positions[i as usize]);
         let normals: Vec3 = [a, b, c].iter().map(|&i| Vec3::from(m.normals[i as usize])).sum();
@@ -107,6 +108,11 @@ impl Builder {
     }
 }
 
+/// The entry for a detail level; levels beyond the finest are the finest.
+pub(super) fn pick<T: Copy>(detail: u32, values: [T; 5]) -> T {
+    values[detail.min(MAX_DETAIL) as usize]
+}
+
 /// Collects a scene; every mesh stands once, where its coordinates say.
 #[derive(Debug, Default)]
 pub(super) struct SceneBuilder {
@@ -118,6 +124,11 @@ impl SceneBuilder {
     pub(super) fn material(&mut self, material: Material) -> usize {
         self.scene.materials.push(material);
         self.scene.materials.len() - 1
+    }
+
+    /// The name of a material.
+    pub(super) fn material_name(&self, material: usize) -> &str {
+        self.scene.materials.get(material).map_or("", |m| m.name.as_str())
     }
 
     /// Adds a mesh with one instance.

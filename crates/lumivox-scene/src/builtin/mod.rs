@@ -2,18 +2,28 @@
 //! nothing else: the shapes stay where they are.
 
 mod atrium;
+mod bodies;
 mod builder;
+#[cfg(test)]
+mod checks;
 mod cornell;
 mod furnace;
+mod masonry;
+mod room;
+mod test_scene;
+mod two_rooms;
 
 pub use atrium::{atrium, atrium_camera_path};
 pub use cornell::cornell;
 pub use furnace::furnace;
+pub use room::room;
+pub use test_scene::test;
+pub use two_rooms::two_rooms;
 
 use crate::{Scene, SceneError};
 
 /// The scenes that `builtin:NAME` knows.
-pub const NAMES: &[&str] = &["atrium", "cornell", "furnace"];
+pub const NAMES: &[&str] = &["atrium", "cornell", "furnace", "room", "test", "two_rooms"];
 
 /// The finest detail level; larger numbers mean the same.
 pub const MAX_DETAIL: u32 = 4;
@@ -34,6 +44,9 @@ pub fn by_name(name: &str) -> Result<Scene, SceneError> {
         "atrium" => atrium,
         "cornell" => cornell,
         "furnace" => furnace,
+        "room" => room,
+        "test" => test,
+        "two_rooms" => two_rooms::by_name,
         _ => return Err(SceneError::UnknownBuiltin { name: name.to_owned() }),
     };
     match detail {
@@ -100,7 +113,7 @@ mod tests {
     #[test]
     fn wrong_names_and_details_say_what_is_known() {
         let text = by_name("palace").unwrap_err().to_string();
-        assert_eq!(text, "there is no built-in scene 'palace'; known are atrium, cornell, furnace");
+        assert_eq!(text, "there is no built-in scene 'palace'; known are atrium, cornell, furnace, room, test, two_rooms");
         for bad in ["cornell:5", "cornell:-1", "cornell:", "cornell:two", "cornell:1:1"] {
             assert!(by_name(bad).unwrap_err().to_string().contains("from 0 to 4"), "{bad}");
         }
