@@ -3,7 +3,7 @@
 use glam::{Mat4, Quat, Vec2, Vec3};
 
 use super::MAX_DETAIL;
-use crate::{Camera, Instance, Light, Material, Mesh, Scene};
+use crate::{Camera, Clip, Instance, Light, Material, Mesh, NodeId, Scene, Texture, Transform};
 
 /// Collects the triangles of one mesh. Surfaces are added with smooth or face normals as their shape asks for.
 #[derive(Debug, Default)]
@@ -126,6 +126,12 @@ impl SceneBuilder {
         self.scene.materials.len() - 1
     }
 
+    /// Adds a texture; returns its index.
+    pub(super) fn texture(&mut self, texture: Texture) -> usize {
+        self.scene.textures.push(texture);
+        self.scene.textures.len() - 1
+    }
+
     /// The name of a material.
     pub(super) fn material_name(&self, material: usize) -> &str {
         self.scene.materials.get(material).map_or("", |m| m.name.as_str())
@@ -145,8 +151,38 @@ impl SceneBuilder {
             .extend(places.iter().map(|&world_from_local| Instance { mesh, world_from_local }));
     }
 
+    /// Adds a node below `parent`; see [`Animation`](crate::Animation).
+    pub(super) fn node(&mut self, parent: Option<NodeId>, local: Transform) -> NodeId {
+        self.scene.animation.add_node(parent, local)
+    }
+
+    /// Adds a mesh in a node's own axes, which moves with it.
+    pub(super) fn hang(&mut self, name: &str, builder: Builder, material: usize, node: NodeId) {
+        self.hang_all(name, builder, material, &[node]);
+    }
+
+    /// Adds a mesh that moves with many nodes, once with each.
+    pub(super) fn hang_all(&mut self, name: &str, builder: Builder, material: usize, nodes: &[NodeId]) {
+        let first = self.scene.instances.len();
+        let places: Vec<Mat4> = nodes.iter().map(|&n| self.scene.animation.world_from_node(n)).collect();
+        self.add_at(name, builder, material, &places);
+        nodes.iter().enumerate().for_each(|(i, &node)| self.scene.hang_instance(first + i, node));
+    }
+
     pub(super) fn light(&mut self, light: Light) {
         self.scene.lights.push(light);
+    }
+
+    /// Adds a light that is at rest where it says and moves with a node; returns its index.
+    pub(super) fn hang_light(&mut self, light: Light, node: NodeId) -> usize {
+        self.light(light);
+        let index = self.scene.lights.len() - 1;
+        self.scene.hang_light(index, node);
+        index
+    }
+
+    pub(super) fn clip(&mut self, clip: Clip) {
+        self.scene.animation.add_clip(clip);
     }
 
     pub(super) fn camera(&mut self, camera: Camera) {
@@ -157,7 +193,12 @@ impl SceneBuilder {
         self.scene.sky = radiance;
     }
 
-    pub(super) fn finish(self) -> Scene {
+    /// The scene; if it moves, as it stands when its first clip begins.
+    pub(super) fn finish(mut self) -> Scene {
+        if !self.scene.animation.is_empty() {
+            let pose = self.scene.pose(0, 0.0);
+            self.scene.apply(&pose);
+        }
         self.scene
     }
 }

@@ -71,7 +71,8 @@ impl Masonry {
 
     /// Where the raster is cut across one axis: at every side of a box, and in between until cells are short enough.
     fn raster(&self, axis: usize, longest: f32) -> Vec<f32> {
-        let mut sides: Vec<f32> = self.boxes.iter().flat_map(|(min, max, _)| [min[axis], max[axis]]).collect();
+        let mut sides: Vec<f32> =
+            self.boxes.iter().flat_map(|(min, max, _)| [min[axis], max[axis]]).collect();
         sides.sort_by(f32::total_cmp);
         sides.dedup();
         let mut lines = Vec::new();
@@ -142,10 +143,10 @@ mod tests {
             m.cut([2.0, 1.0, -1.0], [3.0, 2.0, 1.0]);
             m.finish(&mut scene, "block", longest, plain);
             let scene = scene.finish();
-            assert_eq!(scene.meshes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), [
-                "block, stone",
-                "block, wood"
-            ]);
+            assert_eq!(
+                scene.meshes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(),
+                ["block, stone", "block, wood"]
+            );
             let triangles = checks::world_triangles(&scene, |_| true);
             assert_eq!(checks::open_edges(&triangles), 0);
             assert!((checks::volume(&triangles) - (24.0 - 6.0 + 1.0 - 0.5)).abs() < 1e-4);

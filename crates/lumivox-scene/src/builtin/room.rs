@@ -90,8 +90,8 @@ pub fn room(detail: u32) -> Scene {
     flight(&mut stairs, steps);
     stairs.brick(
         Mat4::IDENTITY,
-        Vec3::new(ACROSS[0], LANDING - 0.24, -HALF - 0.02),
-        Vec3::new(ACROSS[1], LANDING, FLIGHT[1]),
+        Vec3::new(ACROSS[0] - 0.01, LANDING - 0.24, -HALF - 0.02),
+        Vec3::new(ACROSS[1], LANDING, FLIGHT[1] + 0.02),
         steps,
         Vec3::ONE,
     );
@@ -110,7 +110,12 @@ pub fn room(detail: u32) -> Scene {
     });
     scene.sky(Vec3::new(0.45, 0.60, 0.85));
     scene.camera(Camera::look("room", Vec3::new(-4.65, 1.9, -1.9), Vec3::new(1.2, 1.75, 0.35), 64.0));
-    scene.camera(Camera::look("under the stairs", Vec3::new(-0.6, 1.5, -2.6), Vec3::new(2.6, 1.1, 0.2), 60.0));
+    scene.camera(Camera::look(
+        "under the stairs",
+        Vec3::new(-0.6, 1.5, -2.6),
+        Vec3::new(2.6, 1.1, 0.2),
+        60.0,
+    ));
     scene.camera(Camera::look("hall", Vec3::new(5.0, 1.6, -2.7), Vec3::new(4.0, 1.2, 3.0), 62.0));
     scene.finish()
 }

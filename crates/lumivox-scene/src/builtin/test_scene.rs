@@ -89,7 +89,8 @@ fn wedge(b: &mut Builder, foot: Vec3, steps: u32) {
     let mut body = Builder::default();
     for (z, front) in [(0.5, true), (-0.5, false)] {
         let [a, p, q] = outline.map(|v| v.extend(z));
-        let corner = |i: u32, j: u32| a + (p - a) * i as f32 / steps as f32 + (q - p) * j as f32 / steps as f32;
+        let corner =
+            |i: u32, j: u32| a + (p - a) * i as f32 / steps as f32 + (q - p) * j as f32 / steps as f32;
         let normal = if front { Vec3::Z } else { Vec3::NEG_Z };
         for i in 0..steps {
             for j in 0..=i {

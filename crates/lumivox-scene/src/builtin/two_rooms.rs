@@ -45,14 +45,10 @@ pub fn two_rooms(detail: u32, wall_thickness: f32) -> Scene {
 
     let (far, top, deep) = (half + ROOM.x, ROOM.y, 0.5 * ROOM.z);
     let mut m = Masonry::default();
-    m.fill(
-        [-far - OUTER, -OUTER, -deep - OUTER],
-        [far + OUTER, top + OUTER, deep + OUTER],
-        outside,
-    );
+    m.fill([-far - OUTER, -OUTER, -deep - OUTER], [far + OUTER, top + OUTER, deep + OUTER], outside);
     m.fill([-far - 0.1, -0.1, -deep - 0.1], [far + 0.1, top + 0.1, deep + 0.1], white);
-    m.fill([-far - 0.1, 0.0, -deep], [-far, top, deep], orange);
-    m.fill([far, 0.0, -deep], [far + 0.1, top, deep], blue);
+    m.fill([-far, 0.0, -deep - 0.1], [0.0, top, -deep], orange);
+    m.fill([0.0, 0.0, -deep - 0.1], [far, top, -deep], blue);
     m.fill([-far, -0.1, -deep], [far, 0.0, deep], floor);
     m.cut([-far, 0.0, -deep], [far, top, deep]);
     // Into the other walls by their plaster, so that it is one piece with them.
@@ -125,7 +121,9 @@ mod tests {
 
     #[test]
     fn the_shared_wall_is_as_thick_as_asked_and_nonsense_is_brought_inside() {
-        for (given, expected) in [(0.2, 0.2), (1.5, 1.5), (-1.0, 0.002), (f32::INFINITY, 4.0), (f32::NAN, 0.2)] {
+        for (given, expected) in
+            [(0.2, 0.2), (1.5, 1.5), (-1.0, 0.002), (f32::INFINITY, 4.0), (f32::NAN, 0.2)]
+        {
             let triangles = checks::world_triangles(&two_rooms(0, given), |n| n == "rooms, shared wall");
             let widest = triangles.iter().flatten().map(|p| p.x.abs()).fold(0.0, f32::max);
             assert!((2.0 * widest - expected).abs() < 1e-5, "{given}: {widest}");

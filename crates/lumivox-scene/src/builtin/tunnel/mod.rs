@@ -8,15 +8,16 @@
 //!     +--         --+      kerbs on both sides
 //! ```
 
+mod drive;
 mod tank;
 
 use std::f32::consts::PI;
 
 use glam::{Mat4, Vec2, Vec3};
 
-use super::builder::{Builder, SceneBuilder, pick};
 use super::bodies;
-use crate::{Camera, Light, Material, Scene, SpotFalloff};
+use super::builder::{Builder, SceneBuilder, pick};
+use crate::{Camera, Material, Scene};
 
 /// Radius of the vault, the height where it springs, the thickness of the lining, and the ends in z.
 const RADIUS: f32 = 3.6;
@@ -24,30 +25,22 @@ const SPRING: f32 = 2.0;
 const LINING: f32 = 0.5;
 const ENDS: [f32; 2] = [-16.0, 12.0];
 /// Where the tank starts.
-const START: f32 = -10.0;
-/// The lamp, seen from the middle of the tank: ahead, above, and to the left, so that the shadow falls on the right.
-const LAMP: Vec3 = Vec3::new(-2.5, 4.1, 5.4);
+const START: f32 = -8.0;
+/// The lamp, seen from the middle of the tank: ahead and to the left, as high as the turret's top, so that the shadow falls on the right.
+const LAMP: Vec3 = Vec3::new(-2.8, 2.6, 5.0);
 
 /// A vaulted tunnel of 28 m, in which a tank drives towards the camera. A spot light hangs ahead of the tank and moves
 /// with it, so that the tank's shadow travels along the right wall, after figures 77 and 78 of Gaitatzes' dissertation
-/// (2012). Small lamps in the crown and a dusk sky at the ends keep the rest from being black.
+/// (2012). Its one clip, `drive`, takes the tank forth and back in 12 s and loops without a jump. Small lamps in the crown and a dusk sky at the ends keep the rest from being black.
 ///
 /// | detail | 0 | 1 | 2 | 3 | 4 |
 /// | --- | --- | --- | --- | --- | --- |
-/// | triangles | 0 | 0 | 0 | 0 | 0 |
+/// | triangles | 4 776 | 7 112 | 13 040 | 26 692 | 53 708 |
 pub fn tunnel(detail: u32) -> Scene {
     let mut scene = SceneBuilder::default();
     lining(&mut scene, detail);
-    tank::add(&mut scene, Mat4::from_translation(START * Vec3::Z), detail);
-    let lamp = LAMP + START * Vec3::Z;
-    scene.light(Light::Spot {
-        position: lamp,
-        direction: (Vec3::new(0.9, 0.9, START - 0.6) - lamp).normalize_or_zero(),
-        intensity: Vec3::new(260.0, 225.0, 170.0),
-        beam: 34f32.to_radians(),
-        cutoff: 52f32.to_radians(),
-        falloff: SpotFalloff::LinearAngle,
-    });
+    let rig = tank::add(&mut scene, START * Vec3::Z, detail);
+    drive::add(&mut scene, &rig);
     scene.sky(Vec3::new(0.10, 0.15, 0.26));
     scene.camera(Camera::look("ahead", Vec3::new(-1.4, 1.8, 10.6), Vec3::new(0.5, 1.6, -4.0), 52.0));
     scene.camera(Camera::look("beside", Vec3::new(-3.1, 2.6, 3.5), Vec3::new(1.2, 1.2, -6.5), 60.0));
@@ -75,7 +68,8 @@ fn lining(scene: &mut SceneBuilder, detail: u32) {
         matte("blue paint", 0.07, 0.20, 0.60),
         matte("white paint", 0.80, 0.80, 0.78),
     ];
-    let lamp = Material { emission: Vec3::new(5.0, 4.0, 2.6), ..Material::matte("crown lamps", Vec3::splat(0.8)) };
+    let lamp =
+        Material { emission: Vec3::new(11.0, 9.0, 6.0), ..Material::matte("crown lamps", Vec3::splat(0.8)) };
     let lamp = scene.material(lamp);
 
     let pieces = pick(detail, [8, 12, 20, 32, 48]);
@@ -115,8 +109,9 @@ fn lining(scene: &mut SceneBuilder, detail: u32) {
         scene.add(name, stripe, material);
     }
     let mut lamps = Builder::default();
-    for i in 0..3 {
-        let z = from + 4.2 + 8.0 * i as f32;
+    // In the middle between two ribs.
+    for i in 0..6 {
+        let z = from + 4.0 + 4.0 * i as f32;
         let top = SPRING + RADIUS;
         let (min, max) = (Vec3::new(-0.2, top - 0.14, z - 0.7), Vec3::new(0.2, top + 0.05, z + 0.7));
         lamps.brick(Mat4::IDENTITY, min, max, steps, Vec3::ONE);
@@ -139,7 +134,7 @@ mod tests {
 
     #[test]
     fn triangles_are_as_documented_and_all_is_closed() {
-        assert_eq!([0, 1, 2, 3, 4].map(|d| tunnel(d).triangle_count()), [0; 5]);
+        assert_eq!([0, 1, 2, 3, 4].map(|d| tunnel(d).triangle_count()), [4776, 7112, 13040, 26692, 53708]);
         for detail in [0, 2] {
             assert_eq!(checks::open_edges(&checks::world_triangles(&tunnel(detail), |_| true)), 0);
         }

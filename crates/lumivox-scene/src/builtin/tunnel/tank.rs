@@ -2,20 +2,22 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Quat, Vec2, Vec3};
 
-use crate::Material;
 use crate::builtin::bodies;
 use crate::builtin::builder::{Builder, SceneBuilder, pick};
+use crate::{Material, NodeId, Transform};
 
 /// Where the turret turns, and where the gun tilts in the turret's axes.
 const TURRET: Vec3 = Vec3::new(0.0, 1.42, -0.25);
 const GUN: Vec3 = Vec3::new(0.0, 0.40, 0.95);
+/// How far the gun points up at rest, radians about x.
+pub(super) const GUN_TILT: f32 = -0.03;
 /// Middles of the tracks are at plus and minus this in x; their width.
 const TRACK: f32 = 1.32;
 const TRACK_WIDTH: f32 = 0.56;
 /// Radius of a wheel, and middles of the wheels of one side in z.
-const WHEEL: f32 = 0.36;
+pub(super) const WHEEL: f32 = 0.36;
 const WHEELS: [f32; 6] = [-2.0, -1.2, -0.4, 0.4, 1.2, 2.0];
 
 /// From outlines drawn with x to the front and y up, extruded from the tank's left (+x) to its right.
@@ -24,7 +26,16 @@ fn sideways(left: f32) -> Mat4 {
     Mat4::from_cols(columns[0], columns[1], columns[2], Vec3::new(left, 0.0, 0.0).extend(1.0))
 }
 
-pub(super) fn add(scene: &mut SceneBuilder, world_from_tank: Mat4, detail: u32) {
+/// What moves of the tank.
+pub(super) struct Rig {
+    pub(super) tank: NodeId,
+    pub(super) turret: NodeId,
+    pub(super) gun: NodeId,
+    pub(super) wheels: Vec<NodeId>,
+}
+
+/// The tank with its origin at `place`.
+pub(super) fn add(scene: &mut SceneBuilder, place: Vec3, detail: u32) -> Rig {
     let mut matte = |name: &str, r, g, b| scene.material(Material::matte(name, Vec3::new(r, g, b)));
     let [green, dark, rubber, light] = [
         matte("tank green", 0.30, 0.36, 0.16),
@@ -34,34 +45,38 @@ pub(super) fn add(scene: &mut SceneBuilder, world_from_tank: Mat4, detail: u32) 
     ];
     let steps = pick(detail, [1, 2, 4, 8, 12]);
     let sides = pick(detail, [8, 12, 18, 28, 44]);
-    let at = |p: Vec3| world_from_tank * Mat4::from_translation(p);
+    let tank = scene.node(None, Transform::at(place));
+    let turret_node = scene.node(Some(tank), Transform::at(TURRET));
+    let gun_node = scene.node(Some(turret_node), Transform::turned(Quat::from_rotation_x(GUN_TILT), GUN));
+    let wheels: Vec<NodeId> = [-1.0, 1.0]
+        .into_iter()
+        .flat_map(|side| WHEELS.map(|z| Vec3::new(side * TRACK, WHEEL + 0.1, z)))
+        .map(|axle| scene.node(Some(tank), Transform::at(axle)))
+        .collect();
 
     let mut b = Builder::default();
     hull(&mut b, steps);
-    scene.add_at("tank hull", b, green, &[world_from_tank]);
+    scene.hang("tank hull", b, green, tank);
     let mut b = Builder::default();
     tracks(&mut b, sides / 2, steps);
-    scene.add_at("tank tracks", b, rubber, &[world_from_tank]);
+    scene.hang("tank tracks", b, rubber, tank);
     let mut b = Builder::default();
     wheel(&mut b, sides);
-    let wheels: Vec<Mat4> = [-1.0, 1.0]
-        .into_iter()
-        .flat_map(|side| WHEELS.map(|z| Vec3::new(side * TRACK, WHEEL + 0.1, z)))
-        .map(at)
-        .collect();
-    scene.add_at("tank wheel", b, dark, &wheels);
+    scene.hang_all("tank wheel", b, dark, &wheels);
     let mut b = Builder::default();
     turret(&mut b, sides);
-    scene.add_at("tank turret", b, green, &[at(TURRET)]);
+    scene.hang("tank turret", b, green, turret_node);
     let mut b = Builder::default();
     gun(&mut b, sides);
-    scene.add_at("tank gun", b, dark, &[at(TURRET + GUN)]);
+    scene.hang("tank gun", b, dark, gun_node);
     let mut b = Builder::default();
     for side in [-1.0, 1.0] {
-        let place = Mat4::from_translation(Vec3::new(side * 1.05, 1.27, 2.1)) * Mat4::from_rotation_x(FRAC_PI_2);
+        let place =
+            Mat4::from_translation(Vec3::new(side * 1.05, 1.27, 2.1)) * Mat4::from_rotation_x(FRAC_PI_2);
         b.turned(place, &[[0.0, 0.0], [0.11, 0.0], [0.14, 0.26], [0.0, 0.30]], sides, Vec3::ONE);
     }
-    scene.add_at("tank head lamps", b, light, &[world_from_tank]);
+    scene.hang("tank head lamps", b, light, tank);
+    Rig { tank, turret: turret_node, gun: gun_node, wheels }
 }
 
 /// The body between the tracks, the deck over them with mudguards, and boxes on it.
@@ -149,15 +164,14 @@ fn turret(b: &mut Builder, sides: u32) {
     ];
     b.turned(Mat4::from_scale(Vec3::new(1.0, 1.0, 1.14)), &dome, 2 * sides, Vec3::ONE);
     let hatch = Mat4::from_translation(Vec3::new(0.38, 0.7, -0.35));
-    b.turned(hatch, &[[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.24, 0.26], [0.0, 0.27]], sides, Vec3::splat(0.9));
-    // The box at the back.
-    b.brick(
-        Mat4::IDENTITY,
-        Vec3::new(-0.7, 0.12, -1.62),
-        Vec3::new(0.7, 0.52, -1.0),
-        1,
+    b.turned(
+        hatch,
+        &[[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.24, 0.26], [0.0, 0.27]],
+        sides,
         Vec3::splat(0.9),
     );
+    // The box at the back.
+    b.brick(Mat4::IDENTITY, Vec3::new(-0.7, 0.12, -1.62), Vec3::new(0.7, 0.52, -1.0), 1, Vec3::splat(0.9));
 }
 
 /// Mantlet, barrel, fume extractor and muzzle brake along +z.
