@@ -132,7 +132,10 @@ mod tests {
 
     #[test]
     fn triangles_are_as_documented_and_all_is_closed() {
-        assert_eq!([0, 1, 2, 3, 4].map(|d| knot_glass(d).triangle_count()), [1440, 3192, 12752, 42768, 139520]);
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|d| knot_glass(d).triangle_count()),
+            [1440, 3192, 12752, 42768, 139520]
+        );
         for detail in [0, 2] {
             assert_eq!(checks::open_edges(&checks::world_triangles(&knot_glass(detail), |_| true)), 0);
         }

@@ -1,5 +1,20 @@
 //! Scenes made by code. Each takes a detail level from 0 to [`MAX_DETAIL`] that sets its number of triangles and
 //! nothing else: the shapes stay where they are.
+//!
+//! | name | what it shows | clip |
+//! | --- | --- | --- |
+//! | [`arena`](arena()) | a walled court outdoors | |
+//! | [`atrium`](atrium()) | a two-storey colonnade about a sunlit court | `day` |
+//! | [`cornell`](cornell()) | the box with a red and a green wall | |
+//! | [`door`](door()) | a door that opens, a figure that walks behind it | `door` |
+//! | [`furnace`](furnace()) | a box whose radiance is known | |
+//! | [`knot_glass`](knot_glass()) | a closed knot for refraction | |
+//! | [`room`](room()) | sun through windows, a staircase, a hall that only two bounces reach | |
+//! | [`terrain`](terrain()) | open land with a palace, columns and trees | |
+//! | [`test`](test()) | 48 triangles | |
+//! | [`tree`](tree()) | 160 000 masked leaves | |
+//! | [`tunnel`](tunnel()) | a tank drives through a tunnel with its lamp | `drive` |
+//! | [`two_rooms`](two_rooms()) | a lit room and a dark one: leaks show | |
 
 mod arena;
 mod atrium;

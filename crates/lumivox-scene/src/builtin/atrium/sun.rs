@@ -7,8 +7,10 @@ use crate::{Clip, Light, Track, Transform};
 
 /// Way of the sunlight while nothing moves, and at the beginning of the clip.
 const NOON: Vec3 = Vec3::new(0.27, -1.0, 0.42);
-/// Degrees from there to where the sun goes down, along the court's length.
-const EVENING: f32 = 68.0;
+/// Degrees from there to where the sun goes down, and to where it comes up, along the court's length: both about 15
+/// degrees over the horizon.
+const EVENING: f32 = 58.0;
+const MORNING: f32 = -86.0;
 /// Seconds of the afternoon; the morning is as long. Between them the sun is out and goes back for [`NIGHT`] seconds.
 const AFTERNOON: f32 = 8.0;
 const NIGHT: f32 = 2.0;
@@ -27,7 +29,7 @@ pub(super) fn add(scene: &mut SceneBuilder) {
     let evening = AFTERNOON;
     let morning = AFTERNOON + NIGHT;
     let path =
-        [(0.0, 0.0), (evening, EVENING), (evening + 0.5 * NIGHT, 0.0), (morning, -EVENING), (DURATION, 0.0)];
+        [(0.0, 0.0), (evening, EVENING), (evening + 0.5 * NIGHT, 0.0), (morning, MORNING), (DURATION, 0.0)];
     let shine = [(0.0, 1.0), (evening - DUSK, 1.0), (evening, 0.0), (morning, 0.0), (morning + DUSK, 1.0)];
     let mut clip =
         Clip::new("day").with(node, Track::rotation(path.map(|(t, degrees)| (t, turned(degrees)))));
@@ -59,7 +61,7 @@ mod tests {
         let step = DURATION / 720.0;
         for i in 0..720 {
             let [(a, before), (b, after)] = [0.0, 1.0].map(|d| sun(&scene, step * (i as f32 + d)));
-            assert!(a.y < -0.2 && a.is_normalized(), "it never sets: {a}");
+            assert!(a.y < -0.25 && a.is_normalized(), "it never sets: {a}");
             assert!((after - before).abs() < 14.0 * step / DUSK * 1.01);
             assert!(before == 0.0 || a.angle_between(b) < 0.01, "{i}");
         }

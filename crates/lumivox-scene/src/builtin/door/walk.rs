@@ -24,8 +24,11 @@ const DELAY: f32 = 0.7;
 /// The body goes from minus to plus this in x, along this z.
 const REACH: f32 = 1.5;
 pub(super) const LINE: f32 = -1.75;
-/// Height of the hips while standing; low enough for the longest stride.
-const HIPS: f32 = 0.866;
+/// Most that a leg is stretched, and the greatest height of the hips: a walker's knees are never quite straight.
+const STRETCH: f32 = THIGH + SHIN - 0.003;
+const HIPS: f32 = 0.915;
+/// How sharply, per metre, the lowest of the heights that legs allow decides.
+const SHARPNESS: f32 = 60.0;
 /// Soles keep this above the floor: more than what the straight way between keys takes from a curve.
 const CLEARANCE: f32 = 0.004;
 /// Keys per second.
@@ -116,6 +119,18 @@ fn foot(which: usize, seconds: f32) -> Foot {
     Foot { ankle, yaw: from.yaw + (to.yaw - from.yaw) * eased, pitch }
 }
 
+/// Height of the hips: as high as both legs allow, by a smooth minimum, so that the body swings over the leg that carries.
+fn hips(seconds: f32) -> f32 {
+    let place = body(seconds);
+    let allowed = [0, 1].map(|which| {
+        let ankle = foot(which, seconds).ankle;
+        let aside = (ankle - place.aside([HIP, -HIP][which])).with_y(0.0).length();
+        ankle.y + (STRETCH * STRETCH - aside * aside).max(0.0).sqrt()
+    });
+    let sum: f32 = [HIPS, allowed[0], allowed[1]].iter().map(|h| (-SHARPNESS * (h - HIPS)).exp()).sum();
+    HIPS - sum.ln() / SHARPNESS
+}
+
 /// Rotations of a leg's parts in the world.
 struct Leg {
     thigh: Quat,
@@ -146,12 +161,7 @@ pub(super) fn add(clip: &mut Clip, figure: &Figure) {
     let times: Vec<f32> = (0..=count).map(|i| DURATION * i as f32 / count as f32).collect();
     let rotations =
         |turn: &dyn Fn(f32) -> Quat| Track::rotation(times.iter().map(|&t| (t, turn(wrapped(t)))));
-    let root = |t: f32| {
-        let (place, (_, u)) = (body(t), step_at(t));
-        // Lowest while both feet stand, highest in the middle of a step.
-        let speed = (body(t + 0.05).position.x - body(t - 0.05).position.x).abs() / 0.1;
-        place.position + (HIPS - 0.012 * speed.min(1.1) * (TAU * u).cos()) * Vec3::Y
-    };
+    let root = |t: f32| body(t).position + hips(t) * Vec3::Y;
     let yaw = |t: f32| Quat::from_rotation_y(body(t).yaw);
     clip.push(figure.root, Track::translation(times.iter().map(|&t| (t, root(wrapped(t))))));
     clip.push(figure.root, rotations(&yaw));
@@ -215,10 +225,9 @@ mod tests {
             let t = DURATION * i as f32 / 2000.0;
             let place = body(t);
             for (which, side) in [(0, 1.0), (1, -1.0)] {
-                // The hips at their highest.
-                let hip = place.aside(side * HIP) + (HIPS + 0.003) * Vec3::Y;
+                let hip = place.aside(side * HIP) + hips(t) * Vec3::Y;
                 let reach = (foot(which, t).ankle - hip).length();
-                assert!(reach < THIGH + SHIN, "{t}: {reach}");
+                assert!(reach < THIGH + SHIN - 1e-3 && hip.y > 0.8, "{t}: {reach} from {}", hip.y);
             }
         }
     }

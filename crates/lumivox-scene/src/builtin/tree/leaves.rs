@@ -26,7 +26,7 @@ pub(super) fn texture() -> Texture {
         let blade = u.abs() < toothed;
         let stalk = u.abs() < 0.05 && v < 0.15;
         let rib = u.abs() < 0.05 || (7.0 * (v - 0.55 * u.abs())).fract() < 0.13;
-        let [r, g, b] = if rib { [118, 140, 62] } else { [84, 116, 40] };
+        let [r, g, b] = if rib { [140, 160, 82] } else { [106, 140, 52] };
         [r, g, b, if blade || stalk { 255 } else { 0 }]
     };
     let pixels = (0..SIDE).flat_map(|y| (0..SIDE).flat_map(move |x| pixel(x, y))).collect();
