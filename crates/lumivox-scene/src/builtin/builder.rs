@@ -2,12 +2,13 @@
 
 use glam::{Mat4, Quat, Vec2, Vec3};
 
-use crate::{Camera, Instance, Light, Material, Mesh, Scene};
+use super::MAX_DETAIL;
+use crate::{Camera, Clip, Instance, Light, Material, Mesh, NodeId, Scene, Texture, Transform};
 
 /// Collects the triangles of one mesh. Surfaces are added with smooth or face normals as their shape asks for.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
-    mesh: Mesh,
+    pub(super) mesh: Mesh,
 }
 
 impl Builder {
@@ -44,7 +45,7 @@ impl Builder {
     }
 
     /// One triangle, wound so that its front is where its normals point.
-    fn triangle(&mut self, [a, b, c]: [u32; 3]) {
+    pub(super) fn triangle(&mut self, [a, b, c]: [u32; 3]) {
         let m = &self.mesh;
         let at = |i: u32| Vec3::from(m.positions[i as usize]);
         let normals: Vec3 = [a, b, c].iter().map(|&i| Vec3::from(m.normals[i as usize])).sum();
@@ -107,6 +108,11 @@ impl Builder {
     }
 }
 
+/// The entry for a detail level; levels beyond the finest are the finest.
+pub(super) fn pick<T: Copy>(detail: u32, values: [T; 5]) -> T {
+    values[detail.min(MAX_DETAIL) as usize]
+}
+
 /// Collects a scene; every mesh stands once, where its coordinates say.
 #[derive(Debug, Default)]
 pub(super) struct SceneBuilder {
@@ -118,6 +124,17 @@ impl SceneBuilder {
     pub(super) fn material(&mut self, material: Material) -> usize {
         self.scene.materials.push(material);
         self.scene.materials.len() - 1
+    }
+
+    /// Adds a texture; returns its index.
+    pub(super) fn texture(&mut self, texture: Texture) -> usize {
+        self.scene.textures.push(texture);
+        self.scene.textures.len() - 1
+    }
+
+    /// The name of a material.
+    pub(super) fn material_name(&self, material: usize) -> &str {
+        self.scene.materials.get(material).map_or("", |m| m.name.as_str())
     }
 
     /// Adds a mesh with one instance.
@@ -134,8 +151,38 @@ impl SceneBuilder {
             .extend(places.iter().map(|&world_from_local| Instance { mesh, world_from_local }));
     }
 
+    /// Adds a node below `parent`; see [`Animation`](crate::Animation).
+    pub(super) fn node(&mut self, parent: Option<NodeId>, local: Transform) -> NodeId {
+        self.scene.animation.add_node(parent, local)
+    }
+
+    /// Adds a mesh in a node's own axes, which moves with it.
+    pub(super) fn hang(&mut self, name: &str, builder: Builder, material: usize, node: NodeId) {
+        self.hang_all(name, builder, material, &[node]);
+    }
+
+    /// Adds a mesh that moves with many nodes, once with each.
+    pub(super) fn hang_all(&mut self, name: &str, builder: Builder, material: usize, nodes: &[NodeId]) {
+        let first = self.scene.instances.len();
+        let places: Vec<Mat4> = nodes.iter().map(|&n| self.scene.animation.world_from_node(n)).collect();
+        self.add_at(name, builder, material, &places);
+        nodes.iter().enumerate().for_each(|(i, &node)| self.scene.hang_instance(first + i, node));
+    }
+
     pub(super) fn light(&mut self, light: Light) {
         self.scene.lights.push(light);
+    }
+
+    /// Adds a light that is at rest where it says and moves with a node; returns its index.
+    pub(super) fn hang_light(&mut self, light: Light, node: NodeId) -> usize {
+        self.light(light);
+        let index = self.scene.lights.len() - 1;
+        self.scene.hang_light(index, node);
+        index
+    }
+
+    pub(super) fn clip(&mut self, clip: Clip) {
+        self.scene.animation.add_clip(clip);
     }
 
     pub(super) fn camera(&mut self, camera: Camera) {
@@ -146,7 +193,12 @@ impl SceneBuilder {
         self.scene.sky = radiance;
     }
 
-    pub(super) fn finish(self) -> Scene {
+    /// The scene; if it moves, as it stands when its first clip begins.
+    pub(super) fn finish(mut self) -> Scene {
+        if !self.scene.animation.is_empty() {
+            let pose = self.scene.pose(0, 0.0);
+            self.scene.apply(&pose);
+        }
         self.scene
     }
 }

@@ -1,19 +1,69 @@
 //! Scenes made by code. Each takes a detail level from 0 to [`MAX_DETAIL`] that sets its number of triangles and
 //! nothing else: the shapes stay where they are.
+//!
+//! | name | what it shows | clip |
+//! | --- | --- | --- |
+//! | [`arena`](arena()) | a walled court outdoors | |
+//! | [`atrium`](atrium()) | a two-storey colonnade about a sunlit court | `day` |
+//! | [`cornell`](cornell()) | the box with a red and a green wall | |
+//! | [`door`](door()) | a door that opens, a figure that walks behind it | `door` |
+//! | [`furnace`](furnace()) | a box whose radiance is known | |
+//! | [`knot_glass`](knot_glass()) | a closed knot for refraction | |
+//! | [`room`](room()) | sun through windows, a staircase, a hall that only two bounces reach | |
+//! | [`terrain`](terrain()) | open land with a palace, columns and trees | |
+//! | [`test`](test()) | 48 triangles | |
+//! | [`tree`](tree()) | 160 000 masked leaves | |
+//! | [`tunnel`](tunnel()) | a tank drives through a tunnel with its lamp | `drive` |
+//! | [`two_rooms`](two_rooms()) | a lit room and a dark one: leaks show | |
 
+mod arena;
 mod atrium;
+mod bodies;
 mod builder;
+#[cfg(test)]
+mod checks;
 mod cornell;
+mod door;
 mod furnace;
+mod knot_glass;
+mod masonry;
+mod room;
+mod terrain;
+mod test_scene;
+mod tree;
+mod tunnel;
+mod two_rooms;
 
+pub use arena::arena;
 pub use atrium::{atrium, atrium_camera_path};
 pub use cornell::cornell;
+pub use door::door;
 pub use furnace::furnace;
+pub use knot_glass::knot_glass;
+pub use room::room;
+pub use terrain::terrain;
+pub use test_scene::test;
+pub use tree::tree;
+pub use tunnel::tunnel;
+pub use two_rooms::two_rooms;
 
 use crate::{Scene, SceneError};
 
 /// The scenes that `builtin:NAME` knows.
-pub const NAMES: &[&str] = &["atrium", "cornell", "furnace"];
+pub const NAMES: &[&str] = &[
+    "arena",
+    "atrium",
+    "cornell",
+    "door",
+    "furnace",
+    "knot_glass",
+    "room",
+    "terrain",
+    "test",
+    "tree",
+    "tunnel",
+    "two_rooms",
+];
 
 /// The finest detail level; larger numbers mean the same.
 pub const MAX_DETAIL: u32 = 4;
@@ -31,9 +81,18 @@ pub fn by_name(name: &str) -> Result<Scene, SceneError> {
         None => (name, None),
     };
     let make = match name {
+        "arena" => arena,
         "atrium" => atrium,
         "cornell" => cornell,
+        "door" => door,
         "furnace" => furnace,
+        "knot_glass" => knot_glass,
+        "room" => room,
+        "terrain" => terrain,
+        "test" => test,
+        "tree" => tree,
+        "tunnel" => tunnel,
+        "two_rooms" => two_rooms::by_name,
         _ => return Err(SceneError::UnknownBuiltin { name: name.to_owned() }),
     };
     match detail {
@@ -100,7 +159,11 @@ mod tests {
     #[test]
     fn wrong_names_and_details_say_what_is_known() {
         let text = by_name("palace").unwrap_err().to_string();
-        assert_eq!(text, "there is no built-in scene 'palace'; known are atrium, cornell, furnace");
+        assert_eq!(
+            text,
+            "there is no built-in scene 'palace'; known are arena, atrium, cornell, door, furnace, knot_glass, \
+             room, terrain, test, tree, tunnel, two_rooms"
+        );
         for bad in ["cornell:5", "cornell:-1", "cornell:", "cornell:two", "cornell:1:1"] {
             assert!(by_name(bad).unwrap_err().to_string().contains("from 0 to 4"), "{bad}");
         }
