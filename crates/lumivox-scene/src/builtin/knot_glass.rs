@@ -152,9 +152,9 @@ mod tests {
         let length: f32 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
         let volume = checks::volume(&triangles);
         assert!((volume / (PI * TUBE * TUBE * length) - 1.0).abs() < 0.03, "{volume}, length {length}");
-        for i in 0..200 {
-            for j in 0..200 {
-                let apart = (i - j as i32).rem_euclid(200).min((j as i32 - i).rem_euclid(200));
+        for i in 0..200i32 {
+            for j in 0..200i32 {
+                let apart = (i - j).rem_euclid(200).min((j - i).rem_euclid(200));
                 let near = line(i as f32 / 200.0).distance(line(j as f32 / 200.0)) < 2.05 * TUBE;
                 assert!(!near || apart < 30, "{i} {j}");
             }

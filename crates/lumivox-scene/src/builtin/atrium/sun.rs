@@ -54,10 +54,7 @@ mod tests {
         let scene = atrium(0);
         assert_eq!((scene.clips().len(), scene.clips()[0].duration), (1, DURATION));
         let Light::Directional { direction, irradiance } = scene.lights[0] else { unreachable!() };
-        assert!(
-            direction.abs_diff_eq(NOON.normalize_or_zero(), 1e-6)
-                && irradiance == Vec3::new(14.0, 12.6, 10.5)
-        );
+        assert_eq!((direction, irradiance), (NOON.normalize_or_zero(), Vec3::new(14.0, 12.6, 10.5)));
         let step = DURATION / 720.0;
         for i in 0..720 {
             let [(a, before), (b, after)] = [0.0, 1.0].map(|d| sun(&scene, step * (i as f32 + d)));
