@@ -21,7 +21,7 @@ mod scene;
 
 pub use animation::{Animation, Clip, DeformedMesh, Interpolation, NodeId, Pose, Track, Transform};
 pub use error::SceneError;
-pub use import::{EXTENSIONS, load, load_bytes, load_with};
+pub use import::{EXTENSIONS, SCHEMA, load, load_bytes, load_with};
 pub use limits::Limits;
 pub use mesh::Mesh;
 pub use report::ImportReport;

@@ -20,17 +20,24 @@ pub struct ImportReport {
     pub missing_textures: Vec<String>,
     /// glTF extensions that the file uses and this importer ignores.
     pub ignored_extensions: Vec<String>,
-    /// Anything else worth knowing, one sentence each.
+    /// What went wrong otherwise, one sentence each.
     pub warnings: Vec<String>,
+    /// What the file says, or does not say, about its unit and its up axis. Nothing is ever scaled or turned for it.
+    pub notes: Vec<String>,
 }
+
+/// Warnings, and notes, that are kept of one file.
+const MOST: usize = 64;
 
 impl ImportReport {
     /// Adds a warning once; a broken file tends to repeat itself.
     pub(crate) fn warn(&mut self, text: impl Into<String>) {
-        let text = text.into();
-        if self.warnings.len() < 64 && !self.warnings.contains(&text) {
-            self.warnings.push(text);
-        }
+        add_once(&mut self.warnings, text.into());
+    }
+
+    /// Adds a note once.
+    pub(crate) fn note(&mut self, text: impl Into<String>) {
+        add_once(&mut self.notes, text.into());
     }
 
     /// Takes over what another report says, for a scene made of several files.
@@ -47,5 +54,12 @@ impl ImportReport {
             }
         }
         other.warnings.into_iter().for_each(|w| self.warn(w));
+        other.notes.into_iter().for_each(|n| self.note(n));
+    }
+}
+
+fn add_once(list: &mut Vec<String>, text: String) {
+    if list.len() < MOST && !list.contains(&text) {
+        list.push(text);
     }
 }

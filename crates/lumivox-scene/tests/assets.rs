@@ -9,7 +9,10 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use libtest_mimic::{Arguments, Failed, Trial};
-use lumivox_scene::{Scene, load};
+use lumivox_scene::{SCHEMA, Scene, load};
+
+#[path = "common/schema.rs"]
+mod schema;
 
 /// Longest that a broken file may take to be understood or refused.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -99,6 +102,11 @@ fn main() -> ExitCode {
             Box::new(move |folder| motion(known, &folder.join(known.file))),
         );
     }
+    add("a fox in a scene file".to_owned(), Box::new(fox_in_a_scene_file));
+    add(
+        "reference scene files fit the schema".to_owned(),
+        Box::new(|folder| references(&folder.join("../references"))),
+    );
     add("every nasty file ends well".to_owned(), Box::new(|folder| nasty(&folder.join("nasty"))));
     libtest_mimic::run(&args, trials).exit_code()
 }
@@ -189,6 +197,70 @@ fn motion(known: &Animated, path: &Path) -> Result<(), Failed> {
         }
     }
     Ok(())
+}
+
+/// A clip of a file that a scene file names and places: the same shapes, elsewhere.
+fn fox_in_a_scene_file(folder: &Path) -> Result<(), Failed> {
+    let here = std::env::temp_dir().join(format!("lumivox-fox-{}", std::process::id()));
+    std::fs::create_dir_all(&here)?;
+    std::fs::copy(folder.join("animated/Fox.glb"), here.join("Fox.glb"))?;
+    let fox = |scale: &str, clip: &str| {
+        format!(
+            r#"{{"file": "Fox.glb", "scale": {scale}, "translate": [1, 0, 0], "motion": {{"clip": {clip}}}}}"#
+        )
+    };
+    let write = |entries: [String; 3]| {
+        let text = format!(r#"{{"meshes": [{}]}}"#, entries.join(","));
+        let path = here.join("fox.scene.json");
+        std::fs::write(&path, text).map(|()| path.display().to_string())
+    };
+    let scene = load(&write([fox("0.01", "\"Walk\""), fox("0.02", "2"), fox("0.03", "\"Walk\"")])?);
+    let wrong = load(&write([fox("1", "\"Swim\""), fox("1", "0"), fox("1", "0")])?);
+    let alone = load(&here.join("Fox.glb").display().to_string());
+    std::fs::remove_dir_all(&here)?;
+    let (mut scene, alone) = (scene.map_err(|e| e.to_string())?, alone.map_err(|e| e.to_string())?);
+    expect((scene.meshes.len(), scene.instances.len()) == (2, 3), || {
+        "two foxes share their walk".to_owned()
+    })?;
+    for t in [0.0, 0.3, 0.6, 5.1] {
+        let pose = scene.pose(0, t);
+        let (walk, run) = (alone.pose(1, t), alone.pose(2, t));
+        for (i, expected) in [(0, &walk), (1, &run), (2, &walk)] {
+            let mesh = scene.instances[i].mesh;
+            let found = pose.deformed.iter().find(|d| d.mesh == mesh).ok_or("no such mesh")?;
+            let apart = found.positions.iter().zip(&expected.deformed[0].positions);
+            let apart = apart.map(|(a, b)| Vec3::from(*a).distance((*b).into())).fold(0.0, f32::max);
+            // Times within a clip come from different sums.
+            expect(apart < 1e-2, || format!("{t}: fox {i} is off by {apart} of 150 units"))?;
+        }
+        scene.apply(&pose);
+        check_sound(&scene)?;
+        let feet = scene.bounds().min.y;
+        expect(feet.abs() < 0.1, || format!("{t}: feet at {feet}"))?;
+    }
+    let text = wrong.err().map(|e| e.to_string()).unwrap_or_default();
+    expect(text.contains("no such clip; it has 3 (Survey, Walk, Run)"), || text)
+}
+
+fn references(folder: &Path) -> Result<(), Failed> {
+    let schema = serde_json::from_str(SCHEMA)?;
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.display().to_string();
+        if !name.ends_with(".scene.json") {
+            continue;
+        }
+        count += 1;
+        let mut document: serde_json::Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+        expect(schema::fault(&schema, &document).is_none(), || {
+            format!("{name}: {:?}", schema::fault(&schema, &document))
+        })?;
+        load(&name).map_err(|e| e.to_string())?;
+        document["fog"] = 1.into();
+        expect(schema::fault(&schema, &document).is_some(), || "an unknown key passed".to_owned())?;
+    }
+    expect(count >= 3, || format!("only {count} scene files"))
 }
 
 fn nasty(folder: &Path) -> Result<(), Failed> {

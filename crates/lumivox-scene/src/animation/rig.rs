@@ -92,6 +92,17 @@ impl Animation {
         NodeId(self.nodes.len() - 1)
     }
 
+    pub(crate) fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Takes over the nodes of another animation, behind those that are there.
+    pub(crate) fn append_nodes(&mut self, other: &Self) {
+        let first = self.nodes.len();
+        let shifted = |n: &Node| Node { parent: n.parent.map(|p| p + first), ..n.clone() };
+        self.nodes.extend(other.nodes.iter().map(shifted));
+    }
+
     /// Adds a clip; its index is that for [`Scene::pose`].
     pub fn add_clip(&mut self, clip: Clip) -> usize {
         self.clips.push(clip);

@@ -193,8 +193,17 @@ impl Track {
         self.times.last().copied().unwrap_or(0.0)
     }
 
+    pub(crate) fn times(&self) -> &[f32] {
+        &self.times
+    }
+
+    /// The number of keys.
+    pub(crate) fn len(&self) -> usize {
+        self.times.len()
+    }
+
     /// Writes the value at a finite time into `out`, of `width` numbers; leaves it alone if there are no keys.
-    pub(super) fn sample(&self, seconds: f32, out: &mut [f32]) {
+    pub(crate) fn sample(&self, seconds: f32, out: &mut [f32]) {
         let next = self.times.partition_point(|t| *t <= seconds);
         let Some(last) = self.times.len().checked_sub(1) else { return };
         if next == 0 || next > last || self.interpolation == Interpolation::Step {

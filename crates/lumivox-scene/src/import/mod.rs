@@ -13,6 +13,7 @@ mod scene_file;
 mod source;
 mod stl;
 mod texture;
+mod units;
 
 use std::path::Path;
 
@@ -20,6 +21,7 @@ use glam::{Mat4, Vec3};
 
 use crate::mesh::{RawMesh, Shading};
 use crate::{Instance, Limits, Material, Scene, SceneError, builtin};
+pub use scene_file::SCHEMA;
 use source::Source;
 
 /// What [`load`] reads, by the end of the file's name.
@@ -103,7 +105,9 @@ fn import_meshes(source: &Source, bytes: &[u8], limits: &Limits, smooth: bool) -
     let mut scene = match extension(source.name()).as_str() {
         ".glb" | ".gltf" => {
             let shading = if smooth { Shading::Smooth } else { Shading::FileOrFlat };
-            return gltf::import(source, bytes, limits, shading);
+            let mut scene = gltf::import(source, bytes, limits, shading)?;
+            units::note(".gltf", bytes, &mut scene);
+            return Ok(scene);
         }
         ".obj" => obj::import(source, bytes, limits, shading)?,
         ".ply" => {
@@ -117,6 +121,7 @@ fn import_meshes(source: &Source, bytes: &[u8], limits: &Limits, smooth: bool) -
     };
     let world_from_local = Mat4::IDENTITY;
     scene.instances = (0..scene.meshes.len()).map(|mesh| Instance { mesh, world_from_local }).collect();
+    units::note(&extension(source.name()), bytes, &mut scene);
     Ok(scene)
 }
 

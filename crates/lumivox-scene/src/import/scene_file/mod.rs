@@ -1,25 +1,32 @@
 //! `NAME.scene.json`: one file that says what is rendered, for this renderer and others.
 //!
-//! - `camera`: `eye`, `target`, `up` (Y if absent), `fov_y_deg`.
-//! - `lights`: `point`, `directional`, `spot`, `rect`, `constant` (a sky); directions are the way the light travels.
-//! - `meshes`: a `file` (path relative to the scene file), a `quad` of four corners or a `box`; each with `albedo` and
-//!   `emission`, which replace the file's materials, `scale` (a number or three), `rotate_deg` (about X, then Y, then Z),
-//!   `translate`, applied in this order, and `smooth`. Of a file only the geometry and materials are taken: cameras and
-//!   lights are those that the scene file lists.
+//! The format is described in `docs/scene_file.md` and, for programs, in [`SCHEMA`].
 
 mod format;
+mod light;
+mod motion;
+mod place;
+mod shape;
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
+use glam::{Mat4, Vec3};
+use lumivox_core::Bounds;
 
 use super::import_meshes;
 use super::source::Source;
 use super::{DEFAULT_ALBEDO, check_extension};
+use crate::animation::deform::{Binding, Body, Skin};
+use crate::animation::rig::HungInstance;
 use crate::mesh::check_limit;
-use crate::{AlphaMode, Camera, Instance, Light, Limits, Material, Mesh, Scene, SceneError, SpotFalloff};
-use format::{BoxEntry, CameraEntry, File, LightEntry, MeshEntry, Scale};
+use crate::{AlphaMode, Animation, Instance, Limits, Material, Mesh, Scene, SceneError};
+use format::{ClipName, File, LightEntry, LightMotion, MeshEntry};
+use motion::Motions;
+use shape::{cuboid, quad};
+
+/// The JSON Schema (draft 2020-12) of scene files, for editors and for programs that write them.
+pub const SCHEMA: &str = include_str!("../../../scene.schema.json");
 
 /// Reads a scene file and all files that it names.
 pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<Scene, SceneError> {
@@ -30,10 +37,15 @@ pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<S
     let file: File =
         serde_json::from_str(text).map_err(|e| source.malformed(format!("is no valid scene file: {e}")))?;
 
-    let mut loader = Loader { source, limits, scene: Scene::default(), known: HashMap::new(), read: 0 };
+    let (scene, motions) = (Scene::default(), Motions::default());
+    let mut loader = Loader { source, limits, scene, motions, known: HashMap::new(), read: 0 };
     if let Some(entry) = &file.camera {
-        let camera = camera(entry).map_err(|why| source.malformed(format!("has a camera {why}")))?;
+        let camera = light::camera(entry).map_err(|why| source.malformed(format!("has a camera {why}")))?;
         loader.scene.cameras.push(camera);
+        if let Some(path) = &entry.path {
+            let moved = loader.motions.path(path, &mut loader.scene);
+            moved.map_err(|why| source.malformed(format!("has a camera with a path {why}")))?;
+        }
     }
     for (i, entry) in file.lights.iter().enumerate() {
         loader.light(entry).map_err(|why| source.malformed(format!("has lights[{i}] {why}")))?;
@@ -41,6 +53,8 @@ pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<S
     for (i, entry) in file.meshes.iter().enumerate() {
         loader.mesh(i, entry)?;
     }
+    loader.check_motion()?;
+    loader.motions.finish(&mut loader.scene);
     Ok(loader.scene)
 }
 
@@ -60,121 +74,143 @@ fn unit(v: [f32; 3], name: &str) -> Result<Vec3, String> {
     vector(v, name)?.try_normalize().ok_or_else(|| format!("whose {name} has no length"))
 }
 
-fn camera(entry: &CameraEntry) -> Result<Camera, String> {
-    let (eye, target) = (vector(entry.eye, "eye")?, vector(entry.target, "target")?);
-    let ahead = unit((target - eye).to_array(), "distance from eye to target")?;
-    let up = unit(entry.up, "up")?;
-    if ahead.cross(up).length() < 1e-4 {
-        return Err("that looks along its up".to_owned());
-    }
-    if !(entry.fov_y_deg > 0.0 && entry.fov_y_deg < 180.0) {
-        return Err(format!("whose fov_y_deg is {}, not between 0 and 180", entry.fov_y_deg));
-    }
-    Ok(Camera { name: "camera".to_owned(), eye, target, up, fov_y: entry.fov_y_deg.to_radians() })
-}
-
 struct Loader<'a> {
     source: &'a Source,
     limits: &'a Limits,
     scene: Scene,
+    motions: Motions,
     /// Meshes of files that were read before, by everything that shapes them but their place.
-    known: HashMap<String, Vec<Instance>>,
+    known: HashMap<String, Vec<Part>>,
     /// Bytes of all files so far.
     read: u64,
 }
 
+/// One mesh of an entry.
+#[derive(Clone, Debug)]
+struct Part {
+    /// Where it stands within its file.
+    instance: Instance,
+    /// The node of its file that it hangs on, if its file moves.
+    node: Option<usize>,
+    node_from_local: Mat4,
+}
+
 impl Loader<'_> {
+    fn check_motion(&self) -> Result<(), SceneError> {
+        check_limit(self.source.name(), "the number of keyframes", self.motions.keys, self.limits.keyframes)
+    }
+
     fn light(&mut self, entry: &LightEntry) -> Result<(), String> {
-        let light = match *entry {
-            LightEntry::Constant { radiance } => {
-                self.scene.sky += amount(radiance, "radiance")?;
-                return Ok(());
-            }
-            LightEntry::Point { position, intensity } => Light::Point {
-                position: vector(position, "position")?,
-                intensity: amount(intensity, "intensity")?,
-            },
-            LightEntry::Directional { direction, irradiance } => Light::Directional {
-                direction: unit(direction, "direction")?,
-                irradiance: amount(irradiance, "irradiance")?,
-            },
-            LightEntry::Spot { position, target, intensity, cutoff_deg, beam_deg } => {
-                let position = vector(position, "position")?;
-                let direction =
-                    unit((vector(target, "target")? - position).to_array(), "distance to its target")?;
-                let beam_deg = beam_deg.unwrap_or(0.75 * cutoff_deg);
-                if !(cutoff_deg > 0.0 && cutoff_deg <= 180.0 && beam_deg >= 0.0 && beam_deg <= cutoff_deg) {
-                    return Err("whose angles are not 0 <= beam_deg <= cutoff_deg <= 180".to_owned());
-                }
-                let cutoff = cutoff_deg.to_radians();
-                // A hard edge keeps a sliver of falloff, so that its quotient stays defined.
-                let beam = beam_deg.to_radians().min(0.999 * cutoff);
-                let intensity = amount(intensity, "intensity")?;
-                Light::Spot {
-                    position,
-                    direction,
-                    intensity,
-                    beam,
-                    cutoff,
-                    falloff: SpotFalloff::LinearAngle,
-                }
-            }
-            LightEntry::Rect { origin, u, v, radiance } => {
-                let (u, v) = (vector(u, "u")?, vector(v, "v")?);
-                if u.cross(v) == Vec3::ZERO {
-                    return Err("without an area".to_owned());
-                }
-                let radiance = amount(radiance, "radiance")?;
-                Light::Rect { origin: vector(origin, "origin")?, u, v, radiance }
-            }
-        };
+        if let LightEntry::Constant { radiance } = entry {
+            self.scene.sky += amount(*radiance, "radiance")?;
+            return Ok(());
+        }
+        let Some((light, motion, place)) = light::light(entry)? else { return Ok(()) };
         self.scene.lights.push(light);
+        if let Some(motion) = motion {
+            let LightMotion { keyframes, spin, orbit, .. } = motion;
+            if keyframes.is_empty() && spin.is_none() && orbit.is_none() {
+                return Err("with a motion that moves nothing".to_owned());
+            }
+            self.motions.light(self.scene.lights.len() - 1, motion, place, &mut self.scene)?;
+        }
         Ok(())
     }
 
     fn mesh(&mut self, i: usize, entry: &MeshEntry) -> Result<(), SceneError> {
         let fail = |why: String| self.source.malformed(format!("has meshes[{i}] {why}"));
-        let placed = placement(entry).map_err(fail)?;
+        let placement = place::placement(entry).map_err(fail)?;
+        let clip = entry.motion.as_ref().and_then(|m| m.clip.as_ref());
         let key = format!(
-            "{:?} {:?} {:?} {} {:?} {:?}",
+            "{:?} {:?} {:?} {} {:?} {:?} {clip:?}",
             entry.file, entry.quad, entry.block, entry.smooth, entry.albedo, entry.emission
         );
-        let instances = match self.known.get(&key) {
-            Some(instances) => instances.clone(),
+        let parts = match self.known.get(&key) {
+            Some(parts) => parts.clone(),
             None => {
                 let first = self.scene.meshes.len();
-                let instances = match (&entry.file, entry.quad, &entry.block) {
-                    (Some(file), None, None) => self.file(i, file, entry)?,
+                let parts = match (&entry.file, entry.quad, &entry.block) {
+                    (Some(file), None, None) => self.file(i, file, clip, entry.smooth)?,
                     (None, Some(corners), None) => self.shape(first, quad(&corners).map_err(fail)?),
                     (None, None, Some(block)) => self.shape(first, cuboid(block).map_err(fail)?),
                     _ => return Err(fail("that is not exactly one of file, quad and box".to_owned())),
                 };
                 self.paint(first..self.scene.meshes.len(), entry)
                     .map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
-                self.known.insert(key, instances.clone());
-                instances
+                self.known.insert(key, parts.clone());
+                parts
             }
         };
-        for instance in instances {
-            let world_from_local = placed * instance.world_from_local;
+        let first = self.scene.instances.len();
+        for part in &parts {
+            let world_from_local = placement.matrix * part.instance.world_from_local;
             if !world_from_local.is_finite() {
                 return Err(self.source.malformed(format!("has meshes[{i}] whose placement is not finite")));
             }
-            self.scene.instances.push(Instance { world_from_local, ..instance });
+            self.scene.instances.push(Instance { world_from_local, ..part.instance });
         }
         let count = self.scene.instances.len() as u64;
-        check_limit(self.source.name(), "the number of instances", count, self.limits.nodes)
+        check_limit(self.source.name(), "the number of instances", count, self.limits.nodes)?;
+        if entry.motion.is_some() {
+            self.hang(entry, &placement, first, &parts)
+                .map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
+        }
+        self.check_motion()
     }
 
-    fn shape(&mut self, mesh: usize, shape: Mesh) -> Vec<Instance> {
+    /// Hangs the instances from `first` on, which are the `parts` of an entry, on nodes that move as it says.
+    fn hang(
+        &mut self,
+        entry: &MeshEntry,
+        placement: &place::Placement,
+        first: usize,
+        parts: &[Part],
+    ) -> Result<(), String> {
+        let motion = entry.motion.as_ref();
+        if motion.is_some_and(|m| {
+            m.clip.is_none() && m.keyframes.is_empty() && m.spin.is_none() && m.orbit.is_none()
+        }) {
+            return Err("with a motion that moves nothing".to_owned());
+        }
+        if entry.file.is_none() && motion.is_some_and(|m| m.clip.is_some()) {
+            return Err("with a clip, which only files have".to_owned());
+        }
+        let around = parts.iter().fold(Bounds::EMPTY, |sum, p| {
+            let points = self.scene.meshes[p.instance.mesh].positions.iter();
+            let place = p.instance.world_from_local;
+            sum.union(&Bounds::of_points(points.map(|&v| place.transform_point3(v.into()))))
+        });
+        let middle = if around.is_empty() { Vec3::ZERO } else { around.center() };
+        let outer = self.motions.mesh(motion, placement, middle, &mut self.scene.animation)?;
+        for (i, part) in parts.iter().enumerate() {
+            let instance = first + i;
+            self.scene.animation.instances.push(HungInstance {
+                instance,
+                outer: Some(outer.0),
+                node: part.node,
+                node_from_local: part.node_from_local,
+                rest: self.scene.instances[instance].world_from_local,
+            });
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, mesh: usize, shape: Mesh) -> Vec<Part> {
         let material = self.scene.materials.len();
         self.scene.materials.push(Material::matte("", Vec3::splat(DEFAULT_ALBEDO)));
         self.scene.meshes.push(Mesh { material, ..shape });
-        vec![Instance { mesh, world_from_local: Mat4::IDENTITY }]
+        let instance = Instance { mesh, world_from_local: Mat4::IDENTITY };
+        vec![Part { instance, node: None, node_from_local: Mat4::IDENTITY }]
     }
 
-    /// Reads a file's meshes, materials and textures behind those that are there; returns its instances.
-    fn file(&mut self, i: usize, file: &str, entry: &MeshEntry) -> Result<Vec<Instance>, SceneError> {
+    /// Reads a file's meshes, materials and textures behind those that are there, and the nodes that its clip moves.
+    fn file(
+        &mut self,
+        i: usize,
+        file: &str,
+        clip: Option<&ClipName>,
+        smooth: bool,
+    ) -> Result<Vec<Part>, SceneError> {
         let within = |e: SceneError| self.source.malformed(format!("cannot use meshes[{i}]: {e}"));
         check_extension(file).map_err(within)?;
         let beside = self.source.beside(file).map_err(within)?;
@@ -182,10 +218,12 @@ impl Loader<'_> {
         self.read += bytes.len() as u64;
         let total = ("the size of its files in bytes", self.limits.buffer_bytes);
         check_limit(self.source.name(), total.0, self.read, total.1)?;
-        let other = import_meshes(&beside, &bytes, self.limits, entry.smooth).map_err(within)?;
+        let mut other = import_meshes(&beside, &bytes, self.limits, smooth).map_err(within)?;
         drop(bytes);
+        let parts = self.animate(&mut other, clip);
+        let parts = parts.map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
         let scene = &mut self.scene;
-        let (meshes, materials, textures) = (scene.meshes.len(), scene.materials.len(), scene.textures.len());
+        let (materials, textures) = (scene.materials.len(), scene.textures.len());
         scene.meshes.extend(other.meshes.into_iter().map(|m| Mesh { material: m.material + materials, ..m }));
         scene.materials.extend(other.materials.into_iter().map(|m| Material {
             base_color_texture: m.base_color_texture.map(|t| t + textures),
@@ -198,7 +236,54 @@ impl Loader<'_> {
         check_limit(self.source.name(), "the number of triangles", triangles, self.limits.triangles)?;
         let pixels = scene.textures.iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();
         check_limit(self.source.name(), "the number of texture pixels", pixels, self.limits.texture_pixels)?;
-        Ok(other.instances.into_iter().map(|k| Instance { mesh: k.mesh + meshes, ..k }).collect())
+        Ok(parts)
+    }
+
+    /// Takes over the nodes of a file, if one of its clips is to be played, and lists its instances as parts.
+    fn animate(&mut self, other: &mut Scene, clip: Option<&ClipName>) -> Result<Vec<Part>, String> {
+        let meshes = self.scene.meshes.len();
+        let mut parts: Vec<Part> = other
+            .instances
+            .iter()
+            .map(|k| Instance { mesh: k.mesh + meshes, ..*k })
+            .map(|instance| Part { instance, node: None, node_from_local: instance.world_from_local })
+            .collect();
+        let Some(clip) = clip else { return Ok(parts) };
+        let names: Vec<&str> = other.clips().iter().map(|c| c.name.as_str()).collect();
+        let known = match clip {
+            ClipName::Number(n) => other.clips().get(*n),
+            ClipName::Name(name) => other.clips().iter().find(|c| c.name == *name),
+        };
+        let Some(known) = known else {
+            return Err(format!(
+                "whose file has no such clip; it has {} ({})",
+                names.len(),
+                names.join(", ")
+            ));
+        };
+        let (nodes, skins) = (self.scene.animation.node_count(), self.scene.animation.skins.len());
+        self.motions.add_clip(known, nodes);
+        let Animation { instances, skins: other_skins, bodies, .. } = &mut other.animation;
+        for hung in instances.drain(..) {
+            if let Some(part) = parts.get_mut(hung.instance) {
+                part.node = hung.node.map(|n| n + nodes);
+                part.node_from_local = hung.node_from_local;
+            }
+        }
+        let animation = &mut self.scene.animation;
+        animation.skins.extend(
+            other_skins
+                .drain(..)
+                .map(|s| Skin { joints: s.joints.into_iter().map(|j| j + nodes).collect(), ..s }),
+        );
+        animation.bodies.extend(bodies.drain(..).map(|b| Body {
+            mesh: b.mesh + meshes,
+            node: b.node + nodes,
+            binding: b.binding.map(|k| Binding { skin: k.skin + skins, ..k }),
+            ..b
+        }));
+        animation.append_nodes(&other.animation);
+        Ok(parts)
     }
 
     /// Applies `albedo` and `emission` to the meshes just added.
@@ -238,44 +323,9 @@ impl Loader<'_> {
     }
 }
 
-fn placement(entry: &MeshEntry) -> Result<Mat4, String> {
-    let scale = match entry.scale {
-        None => Vec3::ONE,
-        Some(Scale::Uniform(s)) => vector([s; 3], "scale")?,
-        Some(Scale::PerAxis(s)) => vector(s, "scale")?,
-    };
-    let turn = vector(entry.rotate_deg.unwrap_or_default(), "rotate_deg")?;
-    let [x, y, z] = turn.to_array().map(f32::to_radians);
-    // Z after Y after X, each about the fixed axes.
-    let rotation = Quat::from_euler(EulerRot::ZYX, z, y, x);
-    let translation = vector(entry.translate.unwrap_or_default(), "translate")?;
-    Ok(Mat4::from_scale_rotation_translation(scale, rotation, translation))
-}
-
-fn quad(corners: &[[f32; 3]; 4]) -> Result<Mesh, String> {
-    for c in corners {
-        vector(*c, "quad")?;
-    }
-    let mut mesh = Mesh::flat("quad", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], 0);
-    let uvs = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
-    mesh.uvs = [0, 1, 2, 0, 2, 3].map(|i: usize| uvs[i]).to_vec();
-    Ok(mesh)
-}
-
-fn cuboid(entry: &BoxEntry) -> Result<Mesh, String> {
-    let center = vector(entry.center, "center")?;
-    let size = amount(entry.size, "size")?;
-    let turn = vector([0.0, entry.rot_y_deg, 0.0], "rot_y_deg")?.y.to_radians();
-    let turned = Mat4::from_rotation_translation(Quat::from_rotation_y(turn), center);
-    let corner = |i: u32| {
-        let side = Vec4::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32, 0.0) - 0.5;
-        turned.transform_point3(side.truncate() * size).to_array()
-    };
-    // Counterclockwise from outside: -x, +x, -y, +y, -z, +z.
-    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
-    Ok(Mesh::flat("box", (0..8).map(corner).collect(), triangles, 0))
-}
-
+#[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
+mod schema_tests;
 #[cfg(test)]
 mod tests;

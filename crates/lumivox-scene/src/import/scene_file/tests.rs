@@ -1,4 +1,6 @@
 use super::*;
+use crate::Light;
+use glam::Vec4;
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     import(&Source::of_memory("a.scene.json"), text.as_bytes(), &Limits::default())
