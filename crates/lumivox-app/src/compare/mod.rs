@@ -82,6 +82,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         voxelizer: format!("{:?}", settings.voxels),
         gi: format!("{:?}", settings.gi),
         persistence: args.shot.persistence,
+        shadow_size: settings.shadow_size,
+        area_samples: settings.area_samples,
         frames: ours.work.frames,
         iterations: ours.work.iterations,
         settled: ours.work.settled,

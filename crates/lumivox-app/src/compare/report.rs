@@ -28,6 +28,8 @@ pub(crate) struct Report {
     pub(crate) voxelizer: String,
     pub(crate) gi: String,
     pub(crate) persistence: f32,
+    pub(crate) shadow_size: u32,
+    pub(crate) area_samples: u32,
     pub(crate) frames: u32,
     pub(crate) iterations: u32,
     pub(crate) settled: bool,

@@ -1,11 +1,12 @@
 //! Our occupied cells against those of the exact voxelizer.
 
 use anyhow::{Context, Result};
+use glam::Vec3;
 use lumivox::core::TriangleView;
 use lumivox::gpu::Gpu;
 use lumivox::progressive::SURFACE_SHIFT;
 use lumivox::volume::NORMAL;
-use lumivox_oracle::scene::Scene;
+use lumivox_oracle::scene::{Light, Scene};
 use lumivox_oracle::voxels::{Coverage, VoxelDifference, VoxelSet};
 use lumivox_render::Renderer;
 use serde::Serialize;
@@ -35,8 +36,7 @@ pub(crate) fn compare(renderer: &Renderer, gpu: &Gpu, scene: &Scene) -> Result<V
     let volume = renderer.volume().read_back(gpu)?;
     let occupied: Vec<bool> =
         volume.channel(NORMAL).unwrap_or_default().iter().map(|normal| normal.w > 0.0).collect();
-    let positions: Vec<[f32; 3]> =
-        scene.triangles.iter().flat_map(|t| t.positions).map(|p| p.to_array()).collect();
+    let positions: Vec<[f32; 3]> = surfaces(scene).map(|p| p.to_array()).collect();
     let count = u32::try_from(positions.len()).context("too many triangles for the exact voxelizer")?;
     let indices: Vec<[u32; 3]> = (0..count / 3).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
     let triangles = TriangleView::new(&positions, &indices).context("triangles without corners")?;
@@ -57,4 +57,13 @@ pub(crate) fn compare(renderer: &Renderer, gpu: &Gpu, scene: &Scene) -> Result<V
         strays_beyond_margin: exact.sure_strays,
         margin_cells: SURFACE_SHIFT,
     })
+}
+
+/// Corners of all triangles; a rect light is two, since it blocks light.
+fn surfaces(scene: &Scene) -> impl Iterator<Item = Vec3> {
+    let rects = scene.lights.iter().filter_map(|light| match *light {
+        Light::Rect { origin: a, u, v, .. } => Some([a, a + u, a + u + v, a, a + u + v, a + v]),
+        _ => None,
+    });
+    scene.triangles.iter().flat_map(|t| t.positions).chain(rects.flatten())
 }

@@ -189,6 +189,27 @@ pub(crate) fn antialiased() -> Result<(), Failed> {
     Ok(())
 }
 
+/// A lamp with an area is surface to light, and so to the voxels; what moves is compared where it is at that time.
+pub(crate) fn lamps_and_motion() -> Result<(), Failed> {
+    let folder = Folder::new();
+    let lamp = r#"{ "camera": {"eye": [0,1,3], "target": [0,0.5,0], "up": [0,1,0], "fov_y_deg": 50},
+        "lights": [{"type": "rect", "origin": [-0.4,1.53,-0.4], "u": [0.8,0,0], "v": [0,0,0.8], "radiance": [5,5,5]}],
+        "meshes": [{"quad": [[-2,0.03,2],[2,0.03,2],[2,0.03,-2],[-2,0.03,-2]], "albedo": [0.5,0.5,0.5]},
+                   {"box": {"center": [0,0.4,0], "size": [0.5,0.3,0.5], "rot_y_deg": 20}, "albedo": [0.7,0.6,0.5]}] }"#;
+    folder.write("lamp.scene.json", lamp);
+    let scene = "compare lamp.scene.json --grid 24 --size 32x24 --max-samples 256 --max-seconds 60 --out o";
+    folder.line(scene).succeeded();
+    let report = read_json(&folder.join("o/compare.json"))?;
+    let voxels = &report["voxels"];
+    assert!(
+        voxels["strays_beyond_margin"] == 0 && voxels["recall_with_margin"].as_f64() > Some(0.99),
+        "{voxels}"
+    );
+    let direct = comparison(&report, "direct", "irradiance");
+    assert!((direct["mean_ratio"].as_f64().unwrap() - 1.0).abs() < 0.03, "{direct}");
+    Ok(())
+}
+
 pub(crate) fn dark_and_unlit() -> Result<(), Failed> {
     let folder = Folder::new();
     folder.write("triangle.glb", glb());

@@ -48,6 +48,7 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("a comparison with the path tracer", compare::against_the_tracer),
     ("comparisons with another renderer's pictures", compare::references_from_files),
     ("comparisons of whole pixels", compare::antialiased),
+    ("comparisons under a rect light", compare::lamps_and_motion),
     ("comparisons without light, bounces or a volume", compare::dark_and_unlit),
     ("a demo writes all it promises", others::demo),
     ("info tells adapters and limits", others::info),
