@@ -189,8 +189,8 @@ pub(crate) fn antialiased() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A lamp with an area is surface to light, and so to the voxels; what moves is compared where it is at that time.
-pub(crate) fn lamps_and_motion() -> Result<(), Failed> {
+/// A lamp with an area is surface to light, and so to the voxels.
+pub(crate) fn rect_light() -> Result<(), Failed> {
     let folder = Folder::new();
     let lamp = r#"{ "camera": {"eye": [0,1,3], "target": [0,0.5,0], "up": [0,1,0], "fov_y_deg": 50},
         "lights": [{"type": "rect", "origin": [-0.4,1.53,-0.4], "u": [0.8,0,0], "v": [0,0,0.8], "radiance": [5,5,5]}],
@@ -207,6 +207,39 @@ pub(crate) fn lamps_and_motion() -> Result<(), Failed> {
     );
     let direct = comparison(&report, "direct", "irradiance");
     assert!((direct["mean_ratio"].as_f64().unwrap() - 1.0).abs() < 0.03, "{direct}");
+    Ok(())
+}
+
+/// A triangle that slides 0.7 m along x in one second.
+const SLIDING: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"samplers":[{"input":1,"output":2}]}],
+"buffers":[{"byteLength":68,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAzMzM/AAAAAAAAAAA="}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":8},{"buffer":0,"byteOffset":44,"byteLength":24}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
+{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]}"#;
+
+/// What moves is where it is at that time, for both.
+pub(crate) fn moving() -> Result<(), Failed> {
+    let folder = Folder::new();
+    folder.write("sliding.gltf", SLIDING);
+    let scene =
+        "compare sliding.gltf --camera 0.8,0.5,3:0.8,0.5,0:40 --sun 0,-1,-1:3 --gi off --max-samples 4";
+    let pictures = ["0", "0.9"].map(|time| {
+        folder.line(&format!("{scene} --size 48x36 --time {time} --out at_{time}")).succeeded();
+        let report = read_json(&folder.join(&format!("at_{time}/compare.json"))).unwrap();
+        let pixels = &report["foreground"];
+        assert!(pixels["both"].as_u64() > Some(100), "{pixels}");
+        assert!(
+            pixels["only_ours"].as_u64() < Some(5) && pixels["only_reference"].as_u64() < Some(5),
+            "{pixels}"
+        );
+        let direct = comparison(&report, "direct", "radiance");
+        assert!((direct["mean_ratio"].as_f64().unwrap() - 1.0).abs() < 0.01, "{direct}");
+        read_exr(&folder.join(&format!("at_{time}/reference_direct.exr"))).unwrap()
+    });
+    assert!(pictures[0] != pictures[1], "it moves");
     Ok(())
 }
 
