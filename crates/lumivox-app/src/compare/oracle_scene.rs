@@ -154,8 +154,8 @@ mod tests {
 
     #[test]
     fn every_built_in_scene_is_one_that_the_tracer_takes() {
-        for name in ["cornell", "furnace", "atrium:0"] {
-            let scene = lumivox_scene::load(&format!("builtin:{name}")).unwrap();
+        for name in lumivox_scene::builtin::NAMES {
+            let scene = lumivox_scene::load(&format!("builtin:{name}:0")).unwrap();
             let converted = oracle_scene(&scene);
             assert_eq!(converted.check(), Ok(()), "{name}");
             assert_eq!(converted.triangles.len() as u64, scene.triangle_count());
