@@ -4,7 +4,7 @@
 use std::panic::catch_unwind;
 use std::time::{Duration, Instant};
 
-use lumivox_scene::{Limits, SceneError, load_bytes};
+use lumivox_scene::{Limits, Scene, SceneError, load_bytes};
 
 /// Much longer than any of these small files takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -108,12 +108,38 @@ fn run(name: &str, original: &[u8], count: u32, finish: impl Fn(Vec<u8>) -> Vec<
                     assert!(mesh.material < scene.materials.len());
                 }
                 assert!(scene.instances.iter().all(|k| k.mesh < scene.meshes.len()));
+                check_motion(scene);
             }
         }
     }
     // The importers' own checks find everything first; the fence is for what no one has thought of.
     assert_eq!(caught, Vec::<String>::new(), "{name}: panics within a parser");
     assert!(scenes > 0, "{name}: the damage is so heavy that it tests nothing");
+}
+
+/// Any clip of any file gives finite poses at any time, and applying one gives the rest back afterwards.
+fn check_motion(mut scene: Scene) {
+    for clip in 0..scene.clips().len().min(3) {
+        let duration = scene.clips()[clip].duration;
+        assert!(duration > 0.0 && duration.is_finite());
+        for t in [0.0, 0.37 * duration, 0.99 * duration, -1e30, f32::NAN] {
+            let pose = scene.pose(clip, t);
+            assert!(pose.world_from_local.iter().all(|m| m.is_finite()));
+            for d in &pose.deformed {
+                assert!(d.positions.iter().flatten().all(|v| v.is_finite()));
+                let unit = |n: &[f32; 3]| (n.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-3;
+                assert!(d.normals.iter().all(unit), "{:?}", d.normals);
+            }
+            assert_eq!((pose.lights.len(), pose.cameras.len()), (scene.lights.len(), scene.cameras.len()));
+            assert!(
+                pose.cameras.iter().all(|c| c.eye.is_finite() && c.target.is_finite() && c.up.is_finite())
+            );
+            scene.apply(&pose);
+        }
+    }
+    let rest = scene.pose(usize::MAX, 0.0);
+    scene.apply(&rest);
+    assert_eq!(scene.pose(usize::MAX, 1.0), rest);
 }
 
 /// A GLB with most of what the importer reads: sparse and strided accessors, strips, textures, camera and light.
@@ -188,6 +214,55 @@ fn glb_bytes() {
     let (bin, png) = gltf_buffer();
     run("m.glb", &glb(gltf_json(png).as_bytes(), &bin), 3000, |bytes| bytes);
     run("m.glb", &bin, 1000, |bin| glb(gltf_json(png).as_bytes(), &bin));
+}
+
+/// A skinned, morphing triangle, a lamp and a camera that move, all three interpolations, a texture transform.
+fn animated() -> (String, Vec<u8>) {
+    let mut bin: Vec<u8> = Vec::new();
+    let mut floats = |numbers: &[f32]| bin.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
+    floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]); // 0: positions, and offsets of a morph target
+    floats(&[0.75, 0.25, 0.0, 0.0].repeat(3)); // 36: weights
+    floats(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0].repeat(2)); // 84: bind matrices
+    floats(&[0.0, 0.5, 2.0]); // 212: times
+    floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.7, 0.0, 0.7, 0.0, 0.0, 1.0, 0.0]); // 224: rotations
+    floats(&[0.1; 27]); // 272: a spline of translations
+    bin.extend([0, 1, 0, 0].repeat(3)); // 380: joints
+    bin.extend([2, 0, 0, 0]); // 392: a sparse index
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,3,4]}],
+"extensionsUsed":["KHR_lights_punctual","KHR_texture_transform"],
+"extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","intensity":3,"spot":{"outerConeAngle":0.5}}]}},
+"nodes":[{"mesh":0,"skin":0,"weights":[0.5,0.25]},{"children":[2],"translation":[1,2,3]},{"rotation":[0,0,0,1],"camera":0},
+{"extensions":{"KHR_lights_punctual":{"light":0}}},{"mesh":0,"scale":[2,1,1]}],
+"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],
+"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,1],"rotation":1.5,"scale":[2,3]}}}}}],
+"textures":[{}],"skins":[{"joints":[1,2],"inverseBindMatrices":3}],
+"meshes":[{"weights":[0.5,1],"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":7,"JOINTS_0":2,"WEIGHTS_0":1},"material":0,
+"targets":[{"POSITION":0,"NORMAL":0},{"POSITION":8}]}]}],
+"animations":[{"name":"a","channels":[{"sampler":0,"target":{"node":2,"path":"rotation"}},{"sampler":1,"target":{"node":1,"path":"translation"}},
+{"sampler":2,"target":{"node":0,"path":"weights"}},{"sampler":1,"target":{"node":3,"path":"scale"}}],
+"samplers":[{"input":4,"output":5},{"input":4,"output":6,"interpolation":"CUBICSPLINE"},{"input":4,"output":9,"interpolation":"STEP"}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":0,"byteOffset":36,"componentType":5126,"count":3,"type":"VEC4"},
+{"bufferView":0,"byteOffset":380,"componentType":5121,"count":3,"type":"VEC4"},{"bufferView":0,"byteOffset":84,"componentType":5126,"count":2,"type":"MAT4"},
+{"bufferView":0,"byteOffset":212,"componentType":5126,"count":3,"type":"SCALAR"},{"bufferView":0,"byteOffset":224,"componentType":5126,"count":3,"type":"VEC4"},
+{"bufferView":0,"byteOffset":272,"componentType":5126,"count":9,"type":"VEC3"},{"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"},
+{"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":0,"byteOffset":392,"componentType":5123},"values":{"bufferView":0}}},
+{"bufferView":0,"byteOffset":272,"componentType":5126,"count":6,"type":"SCALAR"}],
+"bufferViews":[{"buffer":0,"byteLength":396}],"buffers":[{"byteLength":396}]}"#;
+    (json.to_owned(), bin)
+}
+
+#[test]
+fn animated_glb() {
+    let (json, bin) = animated();
+    let scene = load_bytes("m.glb", &glb(json.as_bytes(), &bin), &Limits::default()).expect("it is sound");
+    assert_eq!(scene.pose(0, 0.0).deformed.len(), 2, "{:?}", scene.report);
+    assert_eq!(scene.report.warnings, [""; 0]);
+    run("m.glb", json.as_bytes(), 6000, |json| glb(&json, &bin));
+    run("m.glb", &bin, 4000, |mut bin| {
+        bin.resize(396, 0);
+        glb(json.as_bytes(), &bin)
+    });
+    run("m.glb", &glb(json.as_bytes(), &bin), 2000, |bytes| bytes);
 }
 
 #[test]
@@ -265,5 +340,14 @@ fn scene_file() {
 {"type": "rect", "origin": [0,0,0], "u": [1,0,0], "v": [0,0,1], "radiance": [5,5,5]}, {"type": "constant", "radiance": [1,1,1]}],
 "meshes": [{"quad": [[0,0,0],[1,0,0],[1,0,1],[0,0,1]], "albedo": [0.7,0.1,0.1], "scale": 2, "rotate_deg": [0,90,0]},
 {"box": {"center": [0,0.3,0], "size": [0.6,0.6,0.6], "rot_y_deg": 15}, "emission": [1,1,1], "scale": [1,2,3]}]}"#;
+    run("m.scene.json", text.as_bytes(), 4000, |bytes| bytes);
+    let text = r#"{"camera": {"eye": [0,1,3], "target": [0,1,0], "fov_y_deg": 39, "path": {"keyframes": [{"seconds": 0, "eye": [0,1,3]},
+{"seconds": 2, "eye": [1,1,3], "target": [0,1,1]}], "repeat": "ping_pong"}},
+"lights": [{"type": "point", "position": [0,1.9,0], "intensity": [5,5,5], "motion": {"orbit": {"center": [0,0,0], "seconds_per_turn": 3}}},
+{"type": "rect", "origin": [0,0,0], "u": [1,0,0], "v": [0,0,1], "radiance": [5,5,5], "motion": {"interpolation": "smooth",
+"keyframes": [{"seconds": 0, "brightness": 1, "rotate_deg": [0,0,0]}, {"seconds": 1, "brightness": 0, "rotate_deg": [0,300,0]}]}}],
+"meshes": [{"quad": [[0,0,0],[1,0,0],[1,0,1],[0,0,1]], "matrix": [[1,0,0,5],[0,1,0,0],[0,0,1,0],[0,0,0,1]], "motion": {"spin": {"axis": [0,1,1], "seconds_per_turn": 2}}},
+{"box": {"center": [0,0.3,0], "size": [0.6,0.6,0.6]}, "motion": {"repeat": "once", "keyframes": [{"seconds": 0.5, "translate": [0,0,0], "scale": 1},
+{"seconds": 1.5, "rotate_deg": [0,900,0], "scale": [1,2,3]}]}}]}"#;
     run("m.scene.json", text.as_bytes(), 4000, |bytes| bytes);
 }

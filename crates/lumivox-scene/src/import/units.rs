@@ -1,7 +1,9 @@
 //! Notes on units and up axes. Formats disagree on both and files are often silent, so what is known is said and
 //! nothing is changed: a wrong guess would be worse than none.
 
-use crate::Scene;
+use lumivox_core::Bounds;
+
+use crate::{Mesh, Scene};
 
 /// Longest sides in metres that a scene or model plausibly has; beyond, the unit may be another one.
 const PLAUSIBLE: std::ops::RangeInclusive<f32> = 1e-3..=200.0;
@@ -23,7 +25,7 @@ pub(super) fn note(extension: &str, bytes: &[u8], scene: &mut Scene) {
     for comment in comments(extension, bytes) {
         scene.report.note(format!("the file says '{comment}'; nothing is scaled or turned for it"));
     }
-    let longest = scene.bounds().size().max_element();
+    let longest = rough_bounds(scene).size().max_element();
     if longest > 0.0 && !PLAUSIBLE.contains(&longest) {
         let guess = if longest > *PLAUSIBLE.end() {
             format!("in millimetres that would be {} m (scale by 0.001)", 0.001 * longest)
@@ -32,6 +34,16 @@ pub(super) fn note(extension: &str, bytes: &[u8], scene: &mut Scene) {
         };
         scene.report.note(format!("the longest side is {longest} m, which is unlikely; {guess}"));
     }
+}
+
+/// The box around the instances' boxes: a file may place a large mesh so often that to visit every vertex takes hours.
+fn rough_bounds(scene: &Scene) -> Bounds {
+    let of = |m: &Mesh| Bounds::of_points(m.positions.iter().map(|&p| p.into()));
+    let boxes: Vec<Bounds> = scene.meshes.iter().map(of).collect();
+    scene
+        .instances
+        .iter()
+        .fold(Bounds::EMPTY, |sum, i| sum.union(&boxes[i.mesh].transformed(&i.world_from_local)))
 }
 
 /// Comments that speak of units or of up.

@@ -54,8 +54,28 @@ type JointSet = (Vec<[f32; 4]>, Vec<[f32; 4]>);
 pub(super) struct RawPrimitive {
     pub(super) raw: RawMesh,
     pub(super) targets: Vec<MorphTarget>,
-    /// Per vertex its joints and their weights, which sum to one; empty for a mesh without joints.
-    pub(super) influences: Vec<Vec<(u32, f32)>>,
+    /// Empty for a mesh without joints.
+    pub(super) influences: Influences,
+}
+
+/// Joints and their weights, which sum to one for each vertex.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Influences {
+    /// Per vertex the end of its influences; they start where those of the vertex before end.
+    ends: Vec<u32>,
+    list: Vec<(u32, f32)>,
+}
+
+impl Influences {
+    pub(super) fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    pub(super) fn of(&self, vertex: u32) -> &[(u32, f32)] {
+        let v = vertex as usize;
+        let start = v.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.list[start as usize..self.ends[v] as usize]
+    }
 }
 
 /// Reads one primitive, or `None` for points, lines and primitives without positions.
@@ -144,30 +164,32 @@ pub(super) fn read(
     Ok(Some(RawPrimitive { raw, targets, influences }))
 }
 
-/// One list of joints and weights per vertex, scaled so that its weights sum to one.
-fn influences_of(sets: &[JointSet], report: &mut ImportReport) -> Vec<Vec<(u32, f32)>> {
+/// Gathers the sets of each vertex, without those of no weight, and scales the rest to a sum of one.
+fn influences_of(sets: &[JointSet], report: &mut ImportReport) -> Influences {
     // Four weights of a byte each are rounded by no more.
     const ROUNDING: f32 = 0.01;
-    let Some((first, _)) = sets.first() else { return Vec::new() };
+    let mut all = Influences::default();
+    let Some((first, _)) = sets.first() else { return all };
     let mut odd = 0;
-    let all = (0..first.len()).map(|v| {
+    for v in 0..first.len() {
+        let start = all.list.len();
         let pairs = sets.iter().flat_map(|(joints, weights)| joints[v].into_iter().zip(weights[v]));
-        let mut list: Vec<(u32, f32)> =
-            pairs.filter(|(_, w)| *w > 0.0 && w.is_finite()).map(|(j, w)| (j as u32, w)).collect();
-        let sum: f32 = list.iter().map(|(_, w)| w).sum();
+        all.list.extend(pairs.filter(|(_, w)| *w > 0.0 && w.is_finite()).map(|(j, w)| (j as u32, w)));
+        let sum: f32 = all.list[start..].iter().map(|(_, w)| w).sum();
         let fits = (sum - 1.0).abs() <= ROUNDING;
         odd += u64::from(!fits);
-        if list.is_empty() || !sum.is_finite() {
-            return vec![(first[v][0] as u32, 1.0)];
+        if all.list.len() == start || !sum.is_finite() {
+            all.list.truncate(start);
+            all.list.push((first[v][0] as u32, 1.0));
+        } else {
+            all.list[start..].iter_mut().for_each(|(_, w)| *w /= sum);
         }
-        list.iter_mut().for_each(|(_, w)| *w /= sum);
-        list
-    });
-    let all = all.collect();
+        all.ends.push(all.list.len() as u32);
+    }
     if odd > 0 {
-        report.warn(format!(
-            "joint weights of {odd} vertices do not sum to one; they are scaled so that they do"
-        ));
+        let text =
+            format!("joint weights of {odd} vertices do not sum to one; they are scaled so that they do");
+        report.warn(text);
     }
     all
 }
@@ -206,9 +228,9 @@ mod tests {
         let joints = vec![[0.0, 1.0, 2.0, 3.0], [5.0, 6.0, 0.0, 0.0], [7.0, 0.0, 0.0, 0.0]];
         let weights = vec![[0.5, 0.5, 0.0, 0.0], [3.0, 1.0, f32::NAN, -1.0], [0.0; 4]];
         let all = influences_of(&[(joints, weights)], &mut report);
-        assert_eq!(all[0], [(0, 0.5), (1, 0.5)]);
-        assert_eq!(all[1], [(5, 0.75), (6, 0.25)]);
-        assert_eq!(all[2], [(7, 1.0)]);
+        assert_eq!(all.of(0), [(0, 0.5), (1, 0.5)]);
+        assert_eq!(all.of(1), [(5, 0.75), (6, 0.25)]);
+        assert_eq!(all.of(2), [(7, 1.0)]);
         assert!(report.warnings[0].contains("of 2 vertices"), "{:?}", report.warnings);
         assert!(influences_of(&[], &mut report).is_empty());
     }

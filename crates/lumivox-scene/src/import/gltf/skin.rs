@@ -9,7 +9,7 @@ use super::accessor::Reader;
 use super::node::Tree;
 use super::primitive::{Budget, RawPrimitive};
 use crate::animation::deform::{Binding, Body, MorphTarget, Skin};
-use crate::mesh::{Mesh, RawMesh, Shading, check_limit};
+use crate::mesh::{Mesh, Shading, check_limit};
 use crate::{ImportReport, Limits, Scene, SceneError};
 
 /// What may deform a mesh of the scene, one entry per vertex of that mesh.
@@ -32,7 +32,7 @@ pub(super) fn finish(
     let RawPrimitive { raw, targets, influences } = primitive;
     let flat = shading != Shading::Smooth && raw.normals.is_empty();
     let deforms = !raw.origins.is_empty();
-    let (mesh, origins) = RawMesh { ..raw }.into_mesh_and_origins(shading, report);
+    let (mesh, origins) = raw.into_mesh_and_origins(shading, report);
     if !deforms {
         return (mesh, None);
     }
@@ -46,7 +46,7 @@ pub(super) fn finish(
     let (mut ends, mut flattened) = (Vec::new(), Vec::new());
     if !influences.is_empty() {
         for &o in &origins {
-            flattened.extend_from_slice(&influences[o as usize]);
+            flattened.extend_from_slice(influences.of(o));
             ends.push(flattened.len() as u32);
         }
     }

@@ -38,7 +38,8 @@ pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<S
         serde_json::from_str(text).map_err(|e| source.malformed(format!("is no valid scene file: {e}")))?;
 
     let (scene, motions) = (Scene::default(), Motions::default());
-    let mut loader = Loader { source, limits, scene, motions, known: HashMap::new(), read: 0 };
+    let mut loader =
+        Loader { source, limits, scene, motions, known: HashMap::new(), middles: HashMap::new(), read: 0 };
     if let Some(entry) = &file.camera {
         let camera = light::camera(entry).map_err(|why| source.malformed(format!("has a camera {why}")))?;
         loader.scene.cameras.push(camera);
@@ -81,6 +82,8 @@ struct Loader<'a> {
     motions: Motions,
     /// Meshes of files that were read before, by everything that shapes them but their place.
     known: HashMap<String, Vec<Part>>,
+    /// The middle of each of them that was asked for.
+    middles: HashMap<String, Vec3>,
     /// Bytes of all files so far.
     read: u64,
 }
@@ -137,7 +140,7 @@ impl Loader<'_> {
                 };
                 self.paint(first..self.scene.meshes.len(), entry)
                     .map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
-                self.known.insert(key, parts.clone());
+                self.known.insert(key.clone(), parts.clone());
                 parts
             }
         };
@@ -152,7 +155,7 @@ impl Loader<'_> {
         let count = self.scene.instances.len() as u64;
         check_limit(self.source.name(), "the number of instances", count, self.limits.nodes)?;
         if entry.motion.is_some() {
-            self.hang(entry, &placement, first, &parts)
+            self.hang(entry, &placement, first, &parts, key)
                 .map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
         }
         self.check_motion()
@@ -165,6 +168,7 @@ impl Loader<'_> {
         placement: &place::Placement,
         first: usize,
         parts: &[Part],
+        key: String,
     ) -> Result<(), String> {
         let motion = entry.motion.as_ref();
         if motion.is_some_and(|m| {
@@ -175,12 +179,14 @@ impl Loader<'_> {
         if entry.file.is_none() && motion.is_some_and(|m| m.clip.is_some()) {
             return Err("with a clip, which only files have".to_owned());
         }
-        let around = parts.iter().fold(Bounds::EMPTY, |sum, p| {
-            let points = self.scene.meshes[p.instance.mesh].positions.iter();
-            let place = p.instance.world_from_local;
-            sum.union(&Bounds::of_points(points.map(|&v| place.transform_point3(v.into()))))
+        let middle = *self.middles.entry(key).or_insert_with(|| {
+            let around = parts.iter().fold(Bounds::EMPTY, |sum, p| {
+                let points = self.scene.meshes[p.instance.mesh].positions.iter();
+                let place = p.instance.world_from_local;
+                sum.union(&Bounds::of_points(points.map(|&v| place.transform_point3(v.into()))))
+            });
+            if around.is_empty() { Vec3::ZERO } else { around.center() }
         });
-        let middle = if around.is_empty() { Vec3::ZERO } else { around.center() };
         let outer = self.motions.mesh(motion, placement, middle, &mut self.scene.animation)?;
         for (i, part) in parts.iter().enumerate() {
             let instance = first + i;
