@@ -157,6 +157,32 @@ mod tests {
     }
 
     #[test]
+    fn cameras_keep_clear_of_surfaces_and_albedos_are_plausible() {
+        for name in NAMES {
+            let scene = by_name(&format!("{name}:0")).unwrap();
+            let triangles = checks::world_triangles(&scene, |_| true);
+            for camera in &scene.cameras {
+                for way in checks::directions(200) {
+                    let free = checks::hit(&triangles, camera.eye, way);
+                    assert!(free.is_none_or(|d| d > 0.19), "{name}, {}: {free:?} along {way}", camera.name);
+                }
+            }
+            assert!(scene.meshes.iter().all(|m| !m.name.is_empty()), "{name}");
+            for m in &scene.materials {
+                assert!(!m.name.is_empty(), "{name}");
+                // The one that is meant for glass is clear, textures carry their own colour; the atrium's cloths are deeper.
+                let known = ["glass", "leaves"].contains(&m.name.as_str()) || *name == "atrium";
+                let albedo = m.base_color.truncate();
+                assert!(
+                    known || albedo.min_element() >= 0.05 && albedo.max_element() <= 0.9,
+                    "{name}, {}",
+                    m.name
+                );
+            }
+        }
+    }
+
+    #[test]
     fn wrong_names_and_details_say_what_is_known() {
         let text = by_name("palace").unwrap_err().to_string();
         assert_eq!(

@@ -72,7 +72,7 @@ pub fn door(detail: u32) -> Scene {
     scene.light(Light::Point { position: Vec3::new(1.7, 2.3, 3.3), intensity: Vec3::new(2.6, 2.9, 3.6) });
     scene.camera(Camera::look("front room", Vec3::new(0.75, 1.6, 3.2), Vec3::new(-0.1, 1.1, 0.0), 58.0));
     scene.camera(Camera::look("doorway", Vec3::new(0.5, 1.6, 1.5), Vec3::new(-0.1, 1.0, -2.0), 70.0));
-    scene.camera(Camera::look("back room", Vec3::new(2.3, 1.7, -3.3), Vec3::new(-0.6, 1.0, -0.9), 66.0));
+    scene.camera(Camera::look("back room", Vec3::new(2.3, 1.7, -2.75), Vec3::new(-0.6, 1.0, -1.0), 66.0));
     scene.finish()
 }
 
