@@ -1,47 +1,36 @@
 //! Direct light: one full-screen pass per batch of shadow views adds what reaches each pixel through their maps.
 //!
-//! The shadow test looks up 3 x 3 bilinear comparisons half a texel apart, which reach 1.5 texels. The point is moved 1.6
-//! shadow texels along its normal first: just beyond that reach, a surface cannot shadow itself, and no depth bias is needed.
-//! Samples of area lights take one comparison, which reaches one texel, and 1.1 texels of distance: their number
+//! The shadow test weighs 3 x 3 texels by a quadratic B-spline, a filter 3 texels wide. Each texel is compared with the depth
+//! that the *receiver's plane* has in its middle, so a flat surface never shadows itself, however it is inclined, and
+//! a shadow's edge stays where it is. The plane is the triangle's own, moved by 0.15 texels along its normal for what
+//! rounding and shallow hollows take. (Moving the point along its normal instead, by the filter's reach, let light through
+//! under edges: at a grazing sun 4 to 6 texels of it.) Samples of area lights look up a single texel: their number
 //! blurs the edges.
 //!
 //! Radiance is summed in 32-bit floats, from one texture into another: core WebGPU cannot blend these, and half floats would
 //! round away the samples of many batches.
 
-use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Sampler, Shader, Texture};
+use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
 use lumivox::{wgpu, wgsl};
 
 use crate::lights::LIGHTS;
 use crate::renderer::{ShadowBatch, ShadowedLights};
-use crate::surface::{RADIANCE_FORMAT, SurfaceView};
+use crate::surface::{OCTAHEDRON, RADIANCE_FORMAT, SurfaceView};
 
 /// The shader.
 pub const SHADER: Shader = Shader {
     name: "render/direct",
-    parts: &[wgsl::VIEW, LIGHTS, wgsl::FULLSCREEN, include_str!("direct.wgsl")],
+    parts: &[wgsl::VIEW, LIGHTS, OCTAHEDRON, wgsl::FULLSCREEN, include_str!("direct.wgsl")],
 };
 
 /// The pass.
 #[derive(Debug)]
-pub struct DirectPass {
-    pass: FullscreenPass,
-    comparison: Sampler,
-}
+pub struct DirectPass(FullscreenPass);
 
 impl DirectPass {
     /// Compiles it.
     pub fn new(gpu: &Gpu) -> Self {
-        let comparison = Sampler::new(
-            gpu,
-            &wgpu::SamplerDescriptor {
-                label: Some("render/shadow comparison"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                compare: Some(wgpu::CompareFunction::LessEqual),
-                ..Default::default()
-            },
-        );
-        Self { pass: FullscreenPass::new(gpu, &SHADER, RADIANCE_FORMAT, false), comparison }
+        Self(FullscreenPass::new(gpu, &SHADER, RADIANCE_FORMAT, false))
     }
 
     /// Adds what a batch of views lets the camera's surfaces reflect to the camera's radiance. `spare` is a texture like the
@@ -65,10 +54,10 @@ impl DirectPass {
             .read("depth", &gbuffer.depth)
             .read("normal", &gbuffer.normal)
             .read("albedo", &gbuffer.albedo)
+            .read("emission", &gbuffer.emission)
             .read("shadow_atlas", &lights.atlas)
-            .read("shadow_comparison", &self.comparison)
             .read("radiance_before", &gbuffer.radiance);
-        self.pass.record(gpu, encoder, &bindings, spare, false)?;
+        self.0.record(gpu, encoder, &bindings, spare, false)?;
         std::mem::swap(&mut gbuffer.radiance, spare);
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 struct ShadowViewUniform {
     clip_from_world: mat4x4f,
+    world_from_clip: mat4x4f,
     tile_origin: vec2f,
     tile_size: f32,
     texels: f32,
@@ -25,58 +26,73 @@ struct ShadowBatchUniform {
 @group(0) @binding(4) var depth: texture_depth_2d;
 @group(0) @binding(5) var normal: texture_2d<f32>;
 @group(0) @binding(6) var albedo: texture_2d<f32>;
-@group(0) @binding(7) var shadow_atlas: texture_depth_2d;
-@group(0) @binding(8) var shadow_comparison: sampler_comparison;
+@group(0) @binding(7) var emission: texture_2d<f32>;
+@group(0) @binding(8) var shadow_atlas: texture_depth_2d;
 @group(0) @binding(9) var radiance_before: texture_2d<f32>;
 
-// One bilinear comparison, that stays within the view's tile: beyond its border the map goes on as its last texels.
-fn shadow_tap(shadow: ShadowViewUniform, uv: vec2f, reference: f32) -> f32 {
-    let half_texel = 0.5 / shadow.texels;
-    let inside = clamp(uv, vec2f(half_texel), vec2f(1.0 - half_texel));
-    let at = shadow.tile_origin + shadow.tile_size * inside;
-    return textureSampleCompareLevel(shadow_atlas, shadow_comparison, at, reference);
+// How far the receiver's plane is moved along its normal, in texels.
+const PLANE_OFFSET: f32 = 0.15;
+
+struct Receiver {
+    p: vec3f,
+    // Interpolated normal and the triangle's own.
+    n: vec3f,
+    face: vec3f,
 }
 
-// Share of the light that arrives, or none outside the view. Whether a point is inside is asked where it is, before it is
-// moved off its surface: points on the seam of two views belong to one of them, whatever their texels measure.
-fn visible_share(shadow: ShadowViewUniform, own: vec4f, light: LightUniform, p: vec3f, n: vec3f) -> f32 {
+// 1 if a texel of the view's tile lies behind the plane that is given in the view's clip space.
+fn lit_at(shadow: ShadowViewUniform, plane: vec4f, texel: vec2f) -> f32 {
+    // Beyond its border the map goes on as its last texels.
+    let inside = clamp(texel, vec2f(0.0), vec2f(shadow.texels - 1.0));
+    let ndc = ndc_from_uv((inside + 0.5) / shadow.texels);
+    let reference = -(dot(plane.xy, ndc) + plane.w) / plane.z;
+    let origin = shadow.tile_origin * shadow.texels / shadow.tile_size;
+    let stored = textureLoad(shadow_atlas, vec2u(origin + inside + 0.5), 0);
+    // Where nothing was drawn there is no shadow, even where the plane runs beyond the far plane.
+    return select(0.0, 1.0, reference <= stored || stored == 1.0);
+}
+
+// Share of the light that arrives at a receiver whose clip position is `own`. A plane's depth is linear over the picture, in
+// perspective too.
+fn visible_share(shadow: ShadowViewUniform, own: vec4f, light: LightUniform, receiver: Receiver) -> f32 {
     let m = shadow.clip_from_world;
     let row_x = vec3f(m[0].x, m[1].x, m[2].x);
     let texel_size = 2.0 * own.w / (length(row_x) * shadow.texels);
-    // The filter of one of many samples is a single lookup, which reaches one texel.
-    let single = is_area_sample(light);
-    let clip = m * vec4f(p + select(1.6, 1.1, single) * texel_size * n, 1.0);
-    if clip.w <= 0.0 {
-        return 0.0;
+    let lifted = receiver.p + PLANE_OFFSET * texel_size * receiver.face;
+    let plane = vec4f(receiver.face, -dot(receiver.face, lifted)) * shadow.world_from_clip;
+    let at = uv_from_ndc(own.xy / own.w) * shadow.texels;
+    let nearest = floor(at);
+    if is_area_sample(light) {
+        return lit_at(shadow, plane, nearest);
     }
-    // The scene ends before the far plane does.
-    let ndc = vec3f(clip.xy / clip.w, saturate(clip.z / clip.w));
-    let uv = uv_from_ndc(ndc.xy);
-    if single {
-        return shadow_tap(shadow, uv, ndc.z);
-    }
-    let texel = 1.0 / shadow.texels;
+    let f = at - nearest - 0.5;
+    var weights = array<vec2f, 3>(0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f));
     var lit = 0.0;
     for (var i = 0u; i < 9u; i++) {
-        let offset = 0.5 * (vec2f(f32(i % 3u), f32(i / 3u)) - 1.0);
-        lit += shadow_tap(shadow, uv + offset * texel, ndc.z);
+        let column = i % 3u;
+        let row = i / 3u;
+        let texel = nearest + vec2f(f32(column), f32(row)) - 1.0;
+        lit += weights[column].x * weights[row].y * lit_at(shadow, plane, texel);
     }
-    return lit / 9.0;
+    return lit;
 }
 
-// Irradiance that arrives through one view.
-fn arriving(shadow: ShadowViewUniform, p: vec3f, n: vec3f) -> vec3f {
-    let own = shadow.clip_from_world * vec4f(p, 1.0);
+// Irradiance that arrives through one view. A point on the seam of two views belongs to one of them.
+fn arriving(shadow: ShadowViewUniform, receiver: Receiver) -> vec3f {
+    let own = shadow.clip_from_world * vec4f(receiver.p, 1.0);
     let light = lights[shadow.light];
     let outside = own.w <= 0.0 || any(abs(own.xy) > vec2f(own.w)) || own.z < 0.0;
     if outside && !is_parallel(light) {
         return vec3f(0.0);
     }
-    let irradiance = light_irradiance(light, p, n);
+    let irradiance = light_irradiance(light, receiver.p, receiver.n);
     if all(irradiance <= vec3f(0.0)) {
         return vec3f(0.0);
     }
-    return irradiance * select(visible_share(shadow, own, light, p, n), 1.0, outside);
+    if outside {
+        return irradiance;
+    }
+    return irradiance * visible_share(shadow, own, light, receiver);
 }
 
 @fragment
@@ -87,12 +103,14 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if pixel_depth == view.far_depth {
         return before;
     }
-    let n = normalize(textureLoad(normal, texel, 0).xyz);
+    let seen_normal = textureLoad(normal, texel, 0);
+    let face = direction_from_octahedron(vec2f(seen_normal.w, textureLoad(emission, texel, 0).w));
     let p = world_from_texel(view, texel, pixel_depth);
+    let receiver = Receiver(p, normalize(seen_normal.xyz), face);
     var irradiance = vec3f(0.0);
     // At most 64 views fill an atlas.
     for (var i = 0u; i < batch.view_count; i++) {
-        irradiance += arriving(shadow_views[batch.first_view + i], p, n);
+        irradiance += arriving(shadow_views[batch.first_view + i], receiver);
     }
     return before + vec4f(textureLoad(albedo, texel, 0).rgb / PI * irradiance, 0.0);
 }

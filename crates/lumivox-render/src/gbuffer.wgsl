@@ -12,9 +12,10 @@ fn fragment(in: Varyings) -> GBuffer {
     if surface.albedo.a < material.alpha_cutoff {
         discard;
     }
+    let face = octahedron_from_direction(surface.face);
     return GBuffer(
-        vec4f(surface.normal, 1.0),
+        vec4f(surface.normal, face.x),
         vec4f(saturate(surface.albedo.rgb), 1.0),
-        vec4f(surface.emission, 1.0),
+        vec4f(surface.emission, face.y),
     );
 }

@@ -8,6 +8,9 @@
 //! | radiance | `Rgba32Float`, `Rgba16Float` | by [`crate::direct`] | what the surface reflects of this light |
 //! | depth | `Depth32Float` | yes | yes; also the shadow map |
 //!
+//! The camera's alpha of normal and emission together are the triangle's own normal, octahedral, which the shadow test
+//! needs ([`crate::direct`]).
+//!
 //! The camera's depth is reversed (1 near, 0 far), which keeps a tenth of a millimetre over any distance; shadow maps have the
 //! standard one. Four colour targets of 8 bytes are just what core WebGPU allows. Masked surfaces have holes in all of them.
 
@@ -22,10 +25,14 @@ use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_BUFFERS};
 use crate::lights::{LIGHTS, LightUniform};
 
 pub(crate) const SURFACE: &str = include_str!("surface.wgsl");
+/// The shared shader module of directions in two numbers.
+pub(crate) const OCTAHEDRON: &str = include_str!("octahedron.wgsl");
 
 /// The G-buffer's shader.
-pub const GBUFFER_SHADER: Shader =
-    Shader { name: "render/gbuffer", parts: &[wgsl::VIEW, SURFACE, include_str!("gbuffer.wgsl")] };
+pub const GBUFFER_SHADER: Shader = Shader {
+    name: "render/gbuffer",
+    parts: &[wgsl::VIEW, OCTAHEDRON, SURFACE, include_str!("gbuffer.wgsl")],
+};
 /// The reflective shadow maps' shader.
 pub const RSM_SHADER: Shader =
     Shader { name: "render/rsm", parts: &[wgsl::VIEW, LIGHTS, SURFACE, include_str!("rsm.wgsl")] };

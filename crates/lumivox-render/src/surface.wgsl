@@ -19,6 +19,8 @@ struct Varyings {
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
     @location(3) color: vec4f,
+    // Relative to the eye, where differences between pixels keep their digits.
+    @location(4) eye: vec3f,
 }
 
 @vertex
@@ -34,36 +36,44 @@ fn vertex(
     // The cofactor matrix turns normals right under any scale, mirrored ones too.
     let m = mat3x3f(world_from_local[0].xyz, world_from_local[1].xyz, world_from_local[2].xyz);
     let cofactor = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
-    return Varyings(view.clip_from_world * world, world.xyz, cofactor * normal, uv, color);
+    let eye = (view.eye_from_world * world).xyz;
+    return Varyings(view.clip_from_world * world, world.xyz, cofactor * normal, uv, color, eye);
 }
 
 struct Surface {
     albedo: vec4f,
     emission: vec3f,
+    // Interpolated, on the side that the view sees.
     normal: vec3f,
+    // The triangle's own, on the same side.
+    face: vec3f,
 }
 
-// The normal on the side that the view sees. The face decides the side, since an interpolated normal near a silhouette may
-// look away while its face does not.
-fn facing_normal(world: vec3f, normal: vec3f) -> vec3f {
-    let face = cross(dpdx(world), dpdy(world));
+// The side of the triangle that the view sees.
+fn visible_face(eye: vec3f) -> vec3f {
+    let face = cross(dpdx(eye), dpdy(eye));
     let m = view.clip_from_world;
     let orthographic = m[0].w == 0.0 && m[1].w == 0.0 && m[2].w == 0.0;
-    let eye_position = (view.eye_from_world * vec4f(world, 1.0)).xyz;
-    let eye_face = (view.eye_from_world * vec4f(face, 0.0)).xyz;
-    let toward_view = select(-eye_position, vec3f(0.0, 0.0, 1.0), orthographic);
-    let visible_face = select(face, -face, dot(eye_face, toward_view) < 0.0);
+    let toward_view = select(-eye, vec3f(0.0, 0.0, 1.0), orthographic);
+    let turned = select(face, -face, dot(face, toward_view) < 0.0);
+    // Back to the world: the matrix is a rotation.
+    return normalize(turned * mat3x3f(view.eye_from_world[0].xyz, view.eye_from_world[1].xyz, view.eye_from_world[2].xyz));
+}
+
+// An interpolated normal near a silhouette may look away while its face does not, so the face decides the side.
+fn facing_normal(normal: vec3f, face: vec3f) -> vec3f {
     let length2 = dot(normal, normal);
     if length2 < 1e-20 {
-        return normalize(visible_face);
+        return face;
     }
     let n = normal * inverseSqrt(length2);
-    return select(n, -n, dot(n, visible_face) < 0.0);
+    return select(n, -n, dot(n, face) < 0.0);
 }
 
 fn surface_at(in: Varyings) -> Surface {
     let base = textureSample(base_color_texture, material_sampler, in.uv);
     let glow = textureSample(emission_texture, material_sampler, in.uv).rgb;
     let albedo = material.base_color * base * in.color;
-    return Surface(albedo, material.emission * glow, facing_normal(in.world, in.normal));
+    let face = visible_face(in.eye);
+    return Surface(albedo, material.emission * glow, facing_normal(in.normal, face), face);
 }

@@ -23,6 +23,8 @@ lumivox::gpu_struct! {
     pub struct ShadowViewUniform {
         /// World to the view's clip space.
         pub clip_from_world: Mat4,
+        /// And back.
+        pub world_from_clip: Mat4,
         /// Upper left corner of the tile in the atlas, 0..1.
         pub tile_origin: Vec2,
         /// Side of the tile in the atlas, 0..1.
@@ -129,6 +131,7 @@ impl ShadowedLights {
                     .write(gpu, &ViewUniform::new(&view, UVec2::splat(texels), UVec2::ONE, NOTHING_INJECTED));
                 views.push(ShadowViewUniform {
                     clip_from_world: view.clip_from_world,
+                    world_from_clip: view.world_from_clip(),
                     tile_origin: tile.corner.as_vec2() / size,
                     tile_size: texels as f32 / size,
                     texels: texels as f32,
