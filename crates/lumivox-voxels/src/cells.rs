@@ -1,0 +1,133 @@
+//! From the triangles of a brick to its cells and their values.
+
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use crate::channels::{Accumulator, Fragment, Values};
+use crate::coverage::{self, CellBox, Coverage};
+use crate::fragment::{self, Piece};
+use crate::job::Job;
+use crate::sparse::{Mask, SHIFT, SIDE};
+use crate::surface::Face;
+
+/// Triangles of one mesh in one brick.
+pub(crate) struct Batch<'a> {
+    pub(crate) mesh: usize,
+    pub(crate) triangles: &'a [u32],
+}
+
+/// A brick with more triangles than this is shared among threads.
+const SHARE: usize = 4096;
+
+/// What a thread works with.
+pub(crate) struct Worker<'a> {
+    job: &'a Job<'a>,
+    sums: Accumulator<'a>,
+    values: Vec<[f32; 4]>,
+    fixed: Vec<[i64; 4]>,
+}
+
+impl<'a> Worker<'a> {
+    pub(crate) fn new(job: &'a Job<'a>) -> Self {
+        let count = job.channels.len();
+        let sums = Accumulator::new(job.channels);
+        Self { job, sums, values: vec![[0.0; 4]; count], fixed: vec![[0; 4]; count] }
+    }
+
+    /// Marks the cells of a brick in `mask` and appends the values of all that are marked.
+    pub(crate) fn brick(
+        &mut self,
+        brick: UVec3,
+        batches: &[Batch<'_>],
+        mask: &mut Mask,
+        results: &mut [Values],
+    ) {
+        let count: usize = batches.iter().map(|batch| batch.triangles.len()).sum();
+        if count > 2 * SHARE {
+            self.shared(brick, batches, mask);
+        } else {
+            batches.iter().for_each(|batch| self.batch(brick, batch, mask));
+        }
+        if self.job.channels.is_empty() {
+            return;
+        }
+        for (z, &word) in mask.iter().enumerate() {
+            let mut word = word;
+            while word != 0 {
+                self.sums.take(64 * z + word.trailing_zeros() as usize, results);
+                word &= word - 1;
+            }
+        }
+    }
+
+    /// Many triangles, in parts that go to threads; sums are integers, so that it does not matter which.
+    fn shared(&mut self, brick: UVec3, batches: &[Batch<'_>], mask: &mut Mask) {
+        let parts: Vec<Batch<'_>> = batches
+            .iter()
+            .flat_map(|batch| {
+                batch.triangles.chunks(SHARE).map(|triangles| Batch { mesh: batch.mesh, triangles })
+            })
+            .collect();
+        // Groups of parts, so that small batches do not each bring sums of their own.
+        let group = parts.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let done: Vec<(Mask, Accumulator<'_>)> = parts
+            .par_chunks(group)
+            .map(|parts| {
+                let mut worker = Worker::new(self.job);
+                let mut mask = [0; SIDE as usize];
+                parts.iter().for_each(|part| worker.batch(brick, part, &mut mask));
+                (mask, worker.sums)
+            })
+            .collect();
+        for (part, sums) in &done {
+            mask.iter_mut().zip(part).for_each(|(a, b)| *a |= b);
+            self.sums.merge(sums);
+        }
+    }
+
+    fn batch(&mut self, brick: UVec3, batch: &Batch<'_>, mask: &mut Mask) {
+        let low = brick.as_ivec3() << SHIFT;
+        let cells = CellBox { low, high: low + (SIDE as i32 - 1) };
+        let cells = cells.intersection(&CellBox::of_grid(self.job.dims()));
+        for &number in batch.triangles {
+            if self.job.needs_fragments {
+                self.fragments(&cells, batch.mesh, number, mask);
+            } else if let Some(triangle) = self.job.triangle(batch.mesh, number) {
+                coverage::walk(self.job.coverage, &triangle, &cells, &mut |cell| {
+                    let local = (cell - low).as_uvec3();
+                    mask[local.z as usize] |= 1 << (local.x + SIDE * local.y);
+                });
+            }
+        }
+    }
+
+    fn fragments(&mut self, cells: &CellBox, mesh: usize, number: u32, mask: &mut Mask) {
+        let job = self.job;
+        let Some(triangle) = job.triangle(mesh, number) else { return };
+        let face = Face::new(job, mesh, number, &triangle);
+        let nothing = Piece { area: 0.0, point: glam::DVec3::ZERO };
+        if !face.varies {
+            face.shade(job, &triangle, &nothing, &mut self.values, &mut self.fixed);
+        }
+        coverage::walk(job.coverage, &triangle, cells, &mut |cell: IVec3| {
+            let piece = match job.coverage {
+                Coverage::Sampled => coverage::sample(&triangle, cell),
+                _ if face.varies || job.parts.area || job.parts.point => fragment::in_cell(&triangle, cell),
+                _ => nothing,
+            };
+            if face.varies && !face.shade(job, &triangle, &piece, &mut self.values, &mut self.fixed) {
+                return;
+            }
+            let local = (cell - cells.low).as_uvec3();
+            let bit = local.x + SIDE * local.y;
+            mask[local.z as usize] |= 1 << bit;
+            self.sums.add(&Fragment {
+                cell: (64 * local.z + bit) as usize,
+                area: piece.area,
+                distance: piece.point.distance_squared(cell.as_dvec3() + 0.5) as f32,
+                values: &self.values,
+                fixed: &self.fixed,
+            });
+        });
+    }
+}

@@ -1,0 +1,201 @@
+//! The part of a triangle in a cell: its area and its centroid.
+
+use glam::{DVec3, IVec3};
+
+use crate::coverage::Triangle;
+
+/// A part of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    /// Area in cell faces.
+    pub(crate) area: f64,
+    /// A point of it, in cells.
+    pub(crate) point: DVec3,
+}
+
+/// A triangle cut at six planes has up to nine corners.
+#[derive(Clone, Copy)]
+struct Polygon {
+    corners: [DVec3; 9],
+    len: usize,
+}
+
+impl Polygon {
+    /// Keeps what lies at `side * (x[axis] - at) >= 0`.
+    #[inline]
+    fn clip(&mut self, axis: usize, at: f64, side: f64) {
+        let mut kept = Self { corners: self.corners, len: 0 };
+        let distance = |p: DVec3| side * (p[axis] - at);
+        for n in 0..self.len {
+            let from = self.corners[n];
+            let to = self.corners[if n + 1 == self.len { 0 } else { n + 1 }];
+            let (d0, d1) = (distance(from), distance(to));
+            if d0 >= 0.0 {
+                kept.push(from);
+            }
+            if (d0 > 0.0 && d1 < 0.0) || (d0 < 0.0 && d1 > 0.0) {
+                kept.push(from + (to - from) * (d0 / (d0 - d1)));
+            }
+        }
+        *self = kept;
+    }
+
+    #[inline]
+    fn push(&mut self, corner: DVec3) {
+        if let Some(place) = self.corners.get_mut(self.len) {
+            *place = corner;
+            self.len += 1;
+        }
+    }
+}
+
+/// The whole triangle.
+pub(crate) fn whole(triangle: &Triangle) -> Piece {
+    let [a, b, c] = triangle.corners;
+    Piece { area: 0.5 * (b - a).cross(c - a).length(), point: (a + b + c) / 3.0 }
+}
+
+/// The part of the triangle in a cell that it marks. Where it only touches the cell, or has no area: no area, and the
+/// middle of what is left or the triangle's point nearest to the cell's centre.
+pub(crate) fn in_cell(triangle: &Triangle, cell: IVec3) -> Piece {
+    if triangle.reach.low == triangle.reach.high {
+        return whole(triangle);
+    }
+    let [a, b, c] = triangle.corners;
+    let mut polygon = Polygon { corners: [a, b, c, a, a, a, a, a, a], len: 3 };
+    for axis in 0..3 {
+        let low = f64::from(cell[axis]);
+        if triangle.reach.low[axis] < cell[axis] {
+            polygon.clip(axis, low, 1.0);
+        }
+        if triangle.reach.high[axis] > cell[axis] {
+            polygon.clip(axis, low + 1.0, -1.0);
+        }
+    }
+    middle(&polygon).unwrap_or_else(|| {
+        let center = cell.as_dvec3() + 0.5;
+        Piece { area: 0.0, point: nearest_point(triangle, center) }
+    })
+}
+
+/// Area and centroid; none of an empty polygon.
+#[inline]
+fn middle(polygon: &Polygon) -> Option<Piece> {
+    let corners = &polygon.corners[..polygon.len];
+    let (&first, rest) = corners.split_first()?;
+    let mut normal = DVec3::ZERO;
+    let mut moment = DVec3::ZERO;
+    for pair in rest.windows(2) {
+        let (b, c) = (pair[0] - first, pair[1] - first);
+        let part = b.cross(c);
+        // All parts of a convex polygon turn the same way, so that a sum of absolutes is the length along the normal.
+        let weight = part.abs().element_sum();
+        normal += part;
+        moment += weight * (b + c);
+    }
+    let weight = normal.abs().element_sum();
+    if weight > 0.0 {
+        return Some(Piece { area: 0.5 * normal.length(), point: first + moment / (3.0 * weight) });
+    }
+    let sum: DVec3 = corners.iter().sum();
+    Some(Piece { area: 0.0, point: sum / polygon.len as f64 })
+}
+
+/// The point of the triangle's edges that is nearest to `point`; for triangles that are, but for rounding, edge alone.
+fn nearest_point(triangle: &Triangle, point: DVec3) -> DVec3 {
+    let nearest_on = |(from, edge): (DVec3, DVec3)| {
+        let length = edge.length_squared();
+        let along = if length > 0.0 { ((point - from).dot(edge) / length).clamp(0.0, 1.0) } else { 0.0 };
+        from + along * edge
+    };
+    let [a, b, c] = triangle.edges();
+    let [from_a, from_b, from_c] = triangle.corners;
+    [(from_b, b), (from_c, c)].into_iter().map(nearest_on).fold(nearest_on((from_a, a)), |best, next| {
+        if next.distance_squared(point) < best.distance_squared(point) { next } else { best }
+    })
+}
+
+/// Weights of the corners at a point of the triangle, none negative, sum one; thirds where the corners are one point.
+pub(crate) fn barycentric(triangle: &Triangle, point: DVec3) -> DVec3 {
+    let [a, b, c] = triangle.corners;
+    let normal = triangle.normal();
+    let weights = if normal != DVec3::ZERO {
+        let part = |from: DVec3, to: DVec3| (from - point).cross(to - point).dot(normal).max(0.0);
+        DVec3::new(part(b, c), part(c, a), part(a, b))
+    } else {
+        // A segment: between the ends of its longest edge.
+        let edges = triangle.edges();
+        let longest = (0..3).fold(0, |best, n| {
+            if edges[n].length_squared() > edges[best].length_squared() { n } else { best }
+        });
+        let length = edges[longest].length_squared();
+        let along = (point - triangle.corners[longest]).dot(edges[longest]) / length;
+        let along = if length > 0.0 { along.clamp(0.0, 1.0) } else { 0.5 };
+        let mut weights = DVec3::ZERO;
+        weights[longest] = 1.0 - along;
+        weights[(longest + 1) % 3] = along;
+        weights
+    };
+    let sum = weights.element_sum();
+    if sum > 0.0 { weights / sum } else { DVec3::splat(1.0 / 3.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec3;
+    use proptest::prelude::*;
+
+    use crate::coverage::{CellBox, Coverage, walk};
+
+    const DIMS: UVec3 = UVec3::splat(9);
+
+    fn corner() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(0.0..9.0).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// The parts make up the whole: area and moment.
+        #[test]
+        fn parts_of_a_triangle_add_up(corners in prop::array::uniform3(corner())) {
+            let triangle = Triangle::new(corners, DIMS, 0.0);
+            let (mut area, mut moment) = (0.0, DVec3::ZERO);
+            let mut outside = 0.0f64;
+            walk(Coverage::Exact, &triangle, &CellBox::of_grid(DIMS), &mut |cell| {
+                let piece = in_cell(&triangle, cell);
+                let center = cell.as_dvec3() + 0.5;
+                outside = outside.max((piece.point - center).abs().max_element() - 0.5);
+                area += piece.area;
+                moment += piece.area * piece.point;
+            });
+            let all = whole(&triangle);
+            prop_assert!((area - all.area).abs() < 1e-9 * all.area.max(1.0));
+            prop_assert!((moment - all.area * all.point).abs().max_element() < 1e-7);
+            prop_assert!(outside < 1e-8, "{}", outside);
+        }
+
+        #[test]
+        fn barycentric_weights_give_the_point_back(corners in prop::array::uniform3(corner())) {
+            let triangle = Triangle::new(corners, DIMS, 0.0);
+            let point = whole(&triangle).point.lerp(corners[1], 0.3);
+            let w = barycentric(&triangle, point);
+            let back = w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
+            prop_assert!((back - point).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn lines_and_points_have_no_area_but_a_place() {
+        let (a, b) = (DVec3::new(0.5, 0.5, 0.5), DVec3::new(4.5, 0.5, 0.5));
+        let line = Triangle::new([a, b, a], DIMS, 0.0);
+        let piece = in_cell(&line, IVec3::new(2, 0, 0));
+        assert!(piece.area == 0.0 && (piece.point.x - 2.5).abs() <= 0.5);
+        let weights = barycentric(&line, DVec3::new(1.5, 0.5, 0.5));
+        assert!((weights.x * a + weights.y * b + weights.z * a - DVec3::new(1.5, 0.5, 0.5)).length() < 1e-12);
+        let point = Triangle::new([a; 3], DIMS, 0.0);
+        assert_eq!(in_cell(&point, IVec3::ZERO).point, a);
+        assert!((barycentric(&point, a).element_sum() - 1.0).abs() < 1e-12);
+    }
+}

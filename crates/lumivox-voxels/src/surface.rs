@@ -1,0 +1,145 @@
+//! What channels see at a point of a triangle.
+
+use glam::{DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
+
+use crate::channels::{Source, fixed};
+use crate::coverage::Triangle;
+use crate::fragment::{Piece, barycentric};
+use crate::job::Job;
+use crate::model::{Material, MaterialOf};
+use crate::{MeshView, SurfacePoint};
+
+/// A triangle about to be shaded.
+pub(crate) struct Face<'a> {
+    mesh: usize,
+    number: u32,
+    view: &'a MeshView<'a>,
+    indices: [usize; 3],
+    material_number: usize,
+    material: Material<'a>,
+    normal: Vec3,
+    normal_from_local: Mat3,
+    /// Whether its values or its outline depend on where one looks.
+    pub(crate) varies: bool,
+}
+
+impl<'a> Face<'a> {
+    pub(crate) fn new(job: &'a Job<'a>, mesh: usize, number: u32, triangle: &Triangle) -> Self {
+        let view = &job.model.meshes[mesh];
+        let indices = view.triangles.indices[number as usize].map(|i| i as usize);
+        let material_number = match view.material {
+            MaterialOf::Mesh(material) => material,
+            MaterialOf::Triangle(numbers) => numbers[number as usize] as usize,
+        };
+        let material = job.model.materials.get(material_number).copied().unwrap_or_default();
+        let side = if job.is_mirrored(mesh) { -1.0 } else { 1.0 };
+        let is_asked = |source: fn(&Source) -> bool| job.channels.iter().any(|c| source(&c.source));
+        let varies = material.alpha_cutoff.is_some()
+            || is_asked(|s| matches!(s, Source::Custom(_) | Source::Area))
+            || (is_asked(|s| matches!(s, Source::Albedo))
+                && (view.colors.is_some() || material.base_color_texture.is_some()))
+            || (is_asked(|s| matches!(s, Source::Emission)) && material.emission_texture.is_some())
+            || (is_asked(|s| matches!(s, Source::Normal)) && view.normals.is_some());
+        Self {
+            mesh,
+            number,
+            view,
+            indices,
+            material_number,
+            material,
+            normal: side * unit(triangle.normal()),
+            normal_from_local: if view.normals.is_some() { normal_from_local(view) } else { Mat3::IDENTITY },
+            varies,
+        }
+    }
+
+    /// Fills in the values of all channels, and the same in fixed point. False, with nothing filled in, in the holes of
+    /// a mask.
+    pub(crate) fn shade(
+        &self,
+        job: &Job<'_>,
+        triangle: &Triangle,
+        piece: &Piece,
+        values: &mut [[f32; 4]],
+        fixed_values: &mut [[i64; 4]],
+    ) -> bool {
+        let point = if self.varies {
+            self.point(job, triangle, piece)
+        } else {
+            SurfacePoint {
+                position: Vec3::ZERO,
+                normal: self.normal,
+                uv: Vec2::ZERO,
+                color: self.material.base_color,
+                emission: self.material.emission,
+                area: 0.0,
+                barycentric: Vec3::ZERO,
+                mesh: self.mesh,
+                triangle: self.number as usize,
+                material: self.material_number,
+            }
+        };
+        if self.material.alpha_cutoff.is_some_and(|cutoff| point.color.w < cutoff) {
+            return false;
+        }
+        for ((channel, values), fixed_values) in job.channels.iter().zip(values).zip(fixed_values) {
+            *values = match &channel.source {
+                Source::Albedo => point.color.to_array(),
+                Source::Normal => point.normal.extend(0.0).to_array(),
+                Source::Emission => point.emission.extend(0.0).to_array(),
+                Source::Area => [point.area, 0.0, 0.0, 0.0],
+                Source::Custom(function) => function(&point),
+            };
+            *fixed_values = fixed(*values);
+        }
+        true
+    }
+
+    fn point(&self, job: &Job<'_>, triangle: &Triangle, piece: &Piece) -> SurfacePoint {
+        let side = f64::from(job.grid.cell_size);
+        let weights = barycentric(triangle, piece.point).as_vec3();
+        let uv = self.view.uvs.map_or(Vec2::ZERO, |uvs| {
+            (0..3).map(|i| weights[i] * Vec2::from_array(uvs[self.indices[i]])).sum()
+        });
+        let vertex_color = self.view.colors.map_or(Vec4::ONE, |colors| {
+            (0..3).map(|i| weights[i] * Vec4::from_array(colors[self.indices[i]])).sum()
+        });
+        let normal = self.view.normals.map_or(self.normal, |normals| {
+            let local: Vec3 = (0..3).map(|i| weights[i] * Vec3::from_array(normals[self.indices[i]])).sum();
+            unit((self.normal_from_local * local).as_dvec3())
+        });
+        let texel = |texture: Option<&crate::TextureFn<'_>>| texture.map_or(Vec4::ONE, |texture| texture(uv));
+        SurfacePoint {
+            position: (job.grid.origin.as_dvec3() + side * piece.point).as_vec3(),
+            normal: if normal == Vec3::ZERO { self.normal } else { normal },
+            uv,
+            color: self.material.base_color * texel(self.material.base_color_texture) * vertex_color,
+            emission: self.material.emission * texel(self.material.emission_texture).truncate(),
+            area: (piece.area * side * side) as f32,
+            barycentric: weights,
+            mesh: self.mesh,
+            triangle: self.number as usize,
+            material: self.material_number,
+        }
+    }
+}
+
+/// Unit length in f32; zero for what has no direction. Largest component first: squares of tiny triangles underflow.
+fn unit(v: DVec3) -> Vec3 {
+    let largest = v.abs().max_element();
+    if largest > 0.0 && largest.is_finite() { (v / largest).normalize_or_zero().as_vec3() } else { Vec3::ZERO }
+}
+
+/// Turns normals as the mesh is turned: the cofactors, which exist for flattening transforms too.
+fn normal_from_local(view: &MeshView<'_>) -> Mat3 {
+    let m = DMat3::from_mat4(view.world_from_local.as_dmat4());
+    let cofactors = DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    );
+    let largest = cofactors.to_cols_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    // A mirror turns cofactors inside out.
+    let scale = if m.determinant() < 0.0 { -1.0 } else { 1.0 } / if largest > 0.0 { largest } else { 1.0 };
+    (cofactors * scale).as_mat3()
+}

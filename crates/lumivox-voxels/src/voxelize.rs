@@ -1,0 +1,205 @@
+//! The stages in their order: fit the grid, bin triangles, work out bricks, put them together, fill.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::IVec3;
+use rayon::prelude::*;
+
+use crate::binning::{self, Bins};
+use crate::cells::{Batch, Worker};
+use crate::channels::Values;
+use crate::coverage::CellBox;
+use crate::fill;
+use crate::job::{Chunk, Job};
+use crate::options::{Stage, VoxelizeOptions};
+use crate::sparse::{BrickSet, ChannelData, Mask, SIDE, brick_of, bricks_along};
+use crate::{Model, SparseVolume, VoxelizeError, VoxelizeReport};
+
+/// Least work of a task, in triangles of bricks.
+const TASK: usize = 2048;
+
+/// Makes a volume of a model's triangles.
+///
+/// Runs on the threads of the current `rayon` pool. The same model gives the same bits whatever the number of threads and
+/// the order of triangles and meshes: cells are joined with OR and values with integers (see [`Channel`](crate::Channel)).
+///
+/// ```
+/// use lumivox_core::TriangleView;
+/// use lumivox_voxels::{Channel, Model, VoxelizeOptions, voxelize};
+///
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]];
+/// let triangles = TriangleView { positions: &positions, indices: &[[0, 1, 2]] };
+/// let options = VoxelizeOptions { channels: vec![Channel::normal()], ..VoxelizeOptions::resolution(64) };
+/// let volume = voxelize(&Model::from(triangles), &options)?;
+/// assert!(volume.contains_point(positions[1].into()));
+/// assert!(volume.cells().all(|cell| volume.value("normal", cell).is_some_and(|n| n.y < -0.7)));
+/// # Ok::<(), lumivox_voxels::VoxelizeError>(())
+/// ```
+///
+/// # Errors
+/// If the grid is impossible, an attribute does not fit its mesh, the volume would take more memory than allowed, or the
+/// progress callback said stop.
+pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<SparseVolume, VoxelizeError> {
+    let bounds = options.bounds.unwrap_or_else(|| match options.grid {
+        crate::GridSpec::Grid(grid) => grid.bounds(),
+        _ => model.bounds(),
+    });
+    if bounds.is_empty() && options.bounds.is_none() {
+        return Err(VoxelizeError::Empty);
+    }
+    let grid = options.grid.fit(&bounds)?;
+    let job = Job::new(model, options, grid)?;
+    let mut report = VoxelizeReport { triangles: job.triangle_count(), ..VoxelizeReport::default() };
+    let mut all = Packet::new(&job);
+    let bricks = bricks_along(grid.dims).as_ivec3();
+    let chunks = job.chunks();
+    report.skipped_triangles =
+        slab(&job, &chunks, &CellBox { low: IVec3::ZERO, high: bricks - 1 }, &mut all)?;
+    let surface = BrickSet::new(grid.dims, all.bricks, all.masks);
+    let channels: Vec<ChannelData> =
+        job.channels.iter().zip(all.values).map(|(channel, values)| ChannelData::new(channel, values)).collect();
+    let solid = if options.solid {
+        let (solid, found) = fill::solid(&job, &surface)?;
+        report.solid = Some(found);
+        Some(solid)
+    } else {
+        None
+    };
+    Ok(SparseVolume::new(grid, surface, solid, channels, report))
+}
+
+/// Finished bricks in the order of their index.
+struct Packet {
+    bricks: Vec<u32>,
+    masks: Vec<Mask>,
+    values: Vec<Values>,
+}
+
+impl Packet {
+    fn new(job: &Job<'_>) -> Self {
+        let values = job.channels.iter().map(|channel| Values::new(channel.format)).collect();
+        Self { bricks: Vec::new(), masks: Vec::new(), values }
+    }
+
+    fn append(&mut self, other: Self) {
+        self.bricks.extend_from_slice(&other.bricks);
+        self.masks.extend_from_slice(&other.masks);
+        self.values.iter_mut().zip(other.values).for_each(|(to, from)| to.append(from));
+    }
+
+    fn bytes(&self) -> u64 {
+        let values: usize = self.values.iter().map(|v| v.as_bytes().len()).sum();
+        (self.bricks.len() * (size_of::<u32>() + size_of::<Mask>()) + values) as u64
+    }
+}
+
+/// Works out the bricks of a slab and appends them; returns the number of skipped triangles. A slab whose lists do not
+/// fit into a quarter of the memory is halved: large triangles that cross in many bricks.
+fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> Result<u64, VoxelizeError> {
+    // A pair of triangle and brick takes eight bytes while it is made and four more when it is sorted.
+    let budget = job.memory_limit() / 4 / 12;
+    let pairs = AtomicU64::new(0);
+    let done = AtomicU64::new(0);
+    let bins: Result<Option<Vec<Bins>>, VoxelizeError> = chunks
+        .par_iter()
+        .map(|chunk| {
+            let bins = binning::bin(job, chunk, bricks, &pairs, budget);
+            let count = u64::from(chunk.triangles.end - chunk.triangles.start);
+            let done = done.fetch_add(count, Ordering::Relaxed) + count;
+            job.report(Stage::Binning, done, job.triangle_count()).map(|()| bins)
+        })
+        .collect();
+    if let Some(bins) = bins? {
+        let skipped = bins.iter().map(|bins| bins.skipped).sum();
+        packets(job, chunks, &bins, all)?;
+        return Ok(skipped);
+    }
+    let middle = (bricks.low.z + bricks.high.z) / 2;
+    if middle == bricks.high.z {
+        let reached = 12 * pairs.load(Ordering::Relaxed);
+        return Err(VoxelizeError::TooLarge { dims: job.dims(), reached, limit: job.memory_limit() });
+    }
+    let lower = CellBox { high: bricks.high.with_z(middle), ..*bricks };
+    let upper = CellBox { low: bricks.low.with_z(middle + 1), ..*bricks };
+    let skipped = slab(job, chunks, &lower, all)?;
+    slab(job, chunks, &upper, all)?;
+    Ok(skipped)
+}
+
+/// What one chunk knows about one brick.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Segment {
+    brick: u32,
+    chunk: u32,
+    number: u32,
+}
+
+/// Gathers the bins of all chunks brick by brick and works the bricks out.
+fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> Result<(), VoxelizeError> {
+    let mut segments: Vec<Segment> = Vec::with_capacity(bins.iter().map(|b| b.bricks.len()).sum());
+    for (chunk, bins) in bins.iter().enumerate() {
+        segments.extend(bins.bricks.iter().enumerate().map(|(number, &brick)| Segment {
+            brick,
+            chunk: chunk as u32,
+            number: number as u32,
+        }));
+    }
+    segments.par_sort_unstable();
+    let mut tasks: Vec<&[Segment]> = Vec::new();
+    let mut rest = segments.as_slice();
+    let mut work = 0;
+    let mut end = 0;
+    while end < rest.len() {
+        let segment = rest[end];
+        work += 8 + bins[segment.chunk as usize].items(segment.number).len();
+        end += 1;
+        let is_last = rest.get(end).is_none_or(|next| next.brick != segment.brick);
+        if is_last && (work >= TASK || end == rest.len()) {
+            let (task, others) = rest.split_at(end);
+            tasks.push(task);
+            (rest, end, work) = (others, 0, 0);
+        }
+    }
+    let (done, total) = (AtomicU64::new(0), segments.len() as u64);
+    let packets: Result<Vec<Packet>, VoxelizeError> = tasks
+        .par_iter()
+        .map(|task| {
+            let packet = packet(job, chunks, bins, task);
+            job.finished_bytes.fetch_add(packet.bytes(), Ordering::Relaxed);
+            let done = done.fetch_add(task.len() as u64, Ordering::Relaxed) + task.len() as u64;
+            job.report(Stage::Cells, done, total).map(|()| packet)
+        })
+        .collect();
+    for packet in packets? {
+        all.append(packet);
+    }
+    Ok(())
+}
+
+/// Works out the bricks of some segments.
+fn packet(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], segments: &[Segment]) -> Packet {
+    let mut packet = Packet::new(job);
+    let mut worker = Worker::new(job);
+    let along = bricks_along(job.dims());
+    for same_brick in segments.chunk_by(|a, b| a.brick == b.brick) {
+        let mut mask: Mask = [0; SIDE as usize];
+        let mut batches = Vec::with_capacity(same_brick.len());
+        for segment in same_brick {
+            let bins = &bins[segment.chunk as usize];
+            if let Some(marked) = bins.masks.get(segment.number as usize) {
+                mask.iter_mut().zip(marked).for_each(|(a, b)| *a |= b);
+            }
+            let triangles = bins.items(segment.number);
+            if !triangles.is_empty() {
+                batches.push(Batch { mesh: chunks[segment.chunk as usize].mesh, triangles });
+            }
+        }
+        let brick = same_brick[0].brick;
+        worker.brick(brick_of(along, brick), &batches, &mut mask, &mut packet.values);
+        if mask != [0; SIDE as usize] {
+            packet.bricks.push(brick);
+            packet.masks.push(mask);
+        }
+    }
+    packet
+}
