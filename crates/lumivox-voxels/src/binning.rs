@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{IVec3, UVec3};
 
-use crate::coverage::{self, CellBox, Coverage, Triangle};
-use crate::job::{Chunk, Job};
+use crate::coverage::{self, CellBox, Coverage};
+use crate::job::{Chunk, Job, Reached};
 use crate::sparse::{Directory, Mask, SHIFT, SIDE, brick_index, bricks_along};
 
 /// Triangles that reach more bricks than this leave their cells to the stage that works brick by brick, so that one
 /// large triangle keeps all threads busy.
-const FEW_BRICKS: i64 = 8;
+const FEW_BRICKS: i32 = 8;
 
 /// Lists of one chunk.
 pub(crate) struct Bins {
@@ -34,11 +34,6 @@ impl Bins {
     /// The triangles of brick number `n` of this chunk.
     pub(crate) fn items(&self, n: u32) -> &[u32] {
         &self.items[self.starts[n as usize] as usize..self.starts[n as usize + 1] as usize]
-    }
-
-    /// Triangles over all bricks.
-    pub(crate) fn item_count(&self) -> usize {
-        self.items.len()
     }
 }
 
@@ -131,23 +126,44 @@ pub(crate) fn bin(
     let mut builder = Builder::new(job.dims());
     let cells = CellBox { low: slab.low << SHIFT, high: (slab.high << SHIFT) + (SIDE as i32 - 1) };
     let cells = cells.intersection(&CellBox::of_grid(job.dims()));
+    // A triangle in one cell marks it, whatever its shape.
+    let marks_one = !job.needs_fragments && job.coverage == Coverage::Exact;
+    let mut last_one = None;
     let mut skipped = 0;
     let mut counted = 0;
     for number in chunk.triangles.clone() {
-        let Some(triangle) = job.triangle(chunk.mesh, number) else {
+        let Some(reach) = job.reach(chunk.mesh, number) else {
             skipped += 1;
             continue;
         };
-        let within = triangle.reach.intersection(&cells);
+        if let (true, Reached::One(cell)) = (marks_one, &reach) {
+            // Triangles come in neighbourhoods, and the last one's cell is marked already.
+            if last_one != Some(*cell) {
+                last_one = Some(*cell);
+                let cell = cell.cell();
+                if cells.contains(cell) {
+                    builder.mark(cell);
+                }
+            }
+            continue;
+        }
+        let reach = reach.cells();
+        let within = reach.intersection(&cells);
         if within.is_empty() {
             continue;
         }
         let bricks = within.coarser(SHIFT);
-        let extent = (bricks.high - bricks.low).as_i64vec3() + 1;
-        if !job.needs_fragments && extent.element_product() <= FEW_BRICKS {
+        let extent = bricks.high - bricks.low + 1;
+        let count = extent.element_product();
+        if !job.needs_fragments && count <= FEW_BRICKS {
+            let triangle = job.triangle(chunk.mesh, number, reach);
             coverage::walk(job.coverage, &triangle, &within, &mut |cell| builder.mark(cell));
+        } else if count == 1 {
+            builder.push(bricks.low, number);
         } else {
-            push_bricks(&mut builder, &triangle, &bricks, number, extent.element_product());
+            // All coverages lie inside the exact one.
+            let coarse = job.triangle(chunk.mesh, number, reach).coarser(SHIFT);
+            coverage::walk(Coverage::Exact, &coarse, &bricks, &mut |brick| builder.push(brick, number));
         }
         // Counted now and then, since one triangle may have a hundred thousand bricks.
         if builder.pairs.len() - counted > 4096 {
@@ -163,16 +179,4 @@ pub(crate) fn bin(
         return None;
     }
     Some(builder.finish(!job.needs_fragments, skipped))
-}
-
-/// Puts a triangle into the bricks that it touches.
-#[inline]
-fn push_bricks(builder: &mut Builder, triangle: &Triangle, bricks: &CellBox, number: u32, count: i64) {
-    if count == 1 {
-        builder.push(bricks.low, number);
-    } else {
-        // All coverages lie inside the exact one.
-        let coarse = triangle.coarser(SHIFT);
-        coverage::walk(Coverage::Exact, &coarse, bricks, &mut |brick| builder.push(brick, number));
-    }
 }

@@ -92,7 +92,8 @@ impl<'a> Worker<'a> {
         for &number in batch.triangles {
             if self.job.needs_fragments {
                 self.fragments(&cells, batch.mesh, number, mask);
-            } else if let Some(triangle) = self.job.triangle(batch.mesh, number) {
+            } else if let Some(reach) = self.job.reach(batch.mesh, number) {
+                let triangle = self.job.triangle(batch.mesh, number, reach.cells());
                 coverage::walk(self.job.coverage, &triangle, &cells, &mut |cell| {
                     let local = (cell - low).as_uvec3();
                     mask[local.z as usize] |= 1 << (local.x + SIDE * local.y);
@@ -103,7 +104,8 @@ impl<'a> Worker<'a> {
 
     fn fragments(&mut self, cells: &CellBox, mesh: usize, number: u32, mask: &mut Mask) {
         let job = self.job;
-        let Some(triangle) = job.triangle(mesh, number) else { return };
+        let Some(reach) = job.reach(mesh, number) else { return };
+        let triangle = job.triangle(mesh, number, reach.cells());
         let face = Face::new(job, mesh, number, &triangle);
         let nothing = Piece { area: 0.0, point: glam::DVec3::ZERO };
         if !face.varies {

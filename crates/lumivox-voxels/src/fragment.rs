@@ -119,23 +119,24 @@ fn nearest_point(triangle: &Triangle, point: DVec3) -> DVec3 {
 pub(crate) fn barycentric(triangle: &Triangle, point: DVec3) -> DVec3 {
     let [a, b, c] = triangle.corners;
     let normal = triangle.normal();
-    let weights = if normal != DVec3::ZERO {
-        let part = |from: DVec3, to: DVec3| (from - point).cross(to - point).dot(normal).max(0.0);
-        DVec3::new(part(b, c), part(c, a), part(a, b))
-    } else {
-        // A segment: between the ends of its longest edge.
-        let edges = triangle.edges();
-        let longest = (0..3).fold(0, |best, n| {
-            if edges[n].length_squared() > edges[best].length_squared() { n } else { best }
-        });
-        let length = edges[longest].length_squared();
-        let along = (point - triangle.corners[longest]).dot(edges[longest]) / length;
-        let along = if length > 0.0 { along.clamp(0.0, 1.0) } else { 0.5 };
-        let mut weights = DVec3::ZERO;
-        weights[longest] = 1.0 - along;
-        weights[(longest + 1) % 3] = along;
-        weights
-    };
+    let weights =
+        if normal != DVec3::ZERO {
+            let part = |from: DVec3, to: DVec3| (from - point).cross(to - point).dot(normal).max(0.0);
+            DVec3::new(part(b, c), part(c, a), part(a, b))
+        } else {
+            // A segment: between the ends of its longest edge.
+            let edges = triangle.edges();
+            let longest = (0..3).fold(0, |best, n| {
+                if edges[n].length_squared() > edges[best].length_squared() { n } else { best }
+            });
+            let length = edges[longest].length_squared();
+            let along = (point - triangle.corners[longest]).dot(edges[longest]) / length;
+            let along = if length > 0.0 { along.clamp(0.0, 1.0) } else { 0.5 };
+            let mut weights = DVec3::ZERO;
+            weights[longest] = 1.0 - along;
+            weights[(longest + 1) % 3] = along;
+            weights
+        };
     let sum = weights.element_sum();
     if sum > 0.0 { weights / sum } else { DVec3::splat(1.0 / 3.0) }
 }
@@ -160,7 +161,7 @@ mod tests {
         /// The parts make up the whole: area and moment.
         #[test]
         fn parts_of_a_triangle_add_up(corners in prop::array::uniform3(corner())) {
-            let triangle = Triangle::new(corners, DIMS, 0.0);
+            let triangle = Triangle::on_grid(corners, DIMS);
             let (mut area, mut moment) = (0.0, DVec3::ZERO);
             let mut outside = 0.0f64;
             walk(Coverage::Exact, &triangle, &CellBox::of_grid(DIMS), &mut |cell| {
@@ -178,7 +179,7 @@ mod tests {
 
         #[test]
         fn barycentric_weights_give_the_point_back(corners in prop::array::uniform3(corner())) {
-            let triangle = Triangle::new(corners, DIMS, 0.0);
+            let triangle = Triangle::on_grid(corners, DIMS);
             let point = whole(&triangle).point.lerp(corners[1], 0.3);
             let w = barycentric(&triangle, point);
             let back = w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
@@ -189,12 +190,12 @@ mod tests {
     #[test]
     fn lines_and_points_have_no_area_but_a_place() {
         let (a, b) = (DVec3::new(0.5, 0.5, 0.5), DVec3::new(4.5, 0.5, 0.5));
-        let line = Triangle::new([a, b, a], DIMS, 0.0);
+        let line = Triangle::on_grid([a, b, a], DIMS);
         let piece = in_cell(&line, IVec3::new(2, 0, 0));
         assert!(piece.area == 0.0 && (piece.point.x - 2.5).abs() <= 0.5);
         let weights = barycentric(&line, DVec3::new(1.5, 0.5, 0.5));
         assert!((weights.x * a + weights.y * b + weights.z * a - DVec3::new(1.5, 0.5, 0.5)).length() < 1e-12);
-        let point = Triangle::new([a; 3], DIMS, 0.0);
+        let point = Triangle::on_grid([a; 3], DIMS);
         assert_eq!(in_cell(&point, IVec3::ZERO).point, a);
         assert!((barycentric(&point, a).element_sum() - 1.0).abs() < 1e-12);
     }

@@ -3,11 +3,12 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use glam::{DAffine3, DMat3, DVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, Mat4, UVec3};
 use lumivox_core::Grid;
+use rayon::prelude::*;
 
 use crate::channels::Parts;
-use crate::coverage::Triangle;
+use crate::coverage::{CellBox, Triangle, cell_of, onto_rim};
 use crate::options::{Progress, Stage, VoxelizeOptions};
 use crate::{Channel, Coverage, Model, VoxelizeError};
 
@@ -16,6 +17,72 @@ use crate::{Channel, Coverage, Model, VoxelizeError};
 pub(crate) struct Chunk {
     pub(crate) mesh: usize,
     pub(crate) triangles: Range<u32>,
+}
+
+/// A cell in one word, or none for a vertex that is not finite. Coordinates are one more than [`cell_of`] says, so that
+/// none is negative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PackedCell(u64);
+
+impl PackedCell {
+    const NONE: Self = Self(u64::MAX);
+
+    fn new(cell: IVec3) -> Self {
+        let [x, y, z] = (cell + 1).as_u64vec3().to_array();
+        Self(x | y << 16 | z << 32)
+    }
+
+    #[inline]
+    pub(crate) fn cell(self) -> IVec3 {
+        let part = |shift: u32| i32::from((self.0 >> shift) as u16) - 1;
+        IVec3::new(part(0), part(16), part(32))
+    }
+}
+
+/// The cells that a triangle reaches.
+pub(crate) enum Reached {
+    /// All corners lie in one cell.
+    One(PackedCell),
+    /// A box of cells.
+    Box(CellBox),
+}
+
+impl Reached {
+    #[inline]
+    pub(crate) fn cells(&self) -> CellBox {
+        match self {
+            Self::One(cell) => CellBox { low: cell.cell(), high: cell.cell() },
+            Self::Box(cells) => *cells,
+        }
+    }
+}
+
+/// From a mesh's own space to cells.
+enum Placement {
+    /// Meshes that stand as they are.
+    Scaled { scale: f64, offset: DVec3 },
+    /// All others.
+    Affine(DAffine3),
+}
+
+impl Placement {
+    fn new(grid_from_world: &DAffine3, world_from_local: &Mat4) -> Self {
+        if *world_from_local == Mat4::IDENTITY {
+            return Self::Scaled {
+                scale: grid_from_world.matrix3.x_axis.x,
+                offset: grid_from_world.translation,
+            };
+        }
+        Self::Affine(*grid_from_world * DAffine3::from_mat4(world_from_local.as_dmat4()))
+    }
+
+    #[inline]
+    fn apply(&self, position: DVec3) -> DVec3 {
+        match self {
+            Self::Scaled { scale, offset } => *scale * position + *offset,
+            Self::Affine(grid_from_local) => grid_from_local.transform_point3(position),
+        }
+    }
 }
 
 /// Everything that stages of the work share.
@@ -28,7 +95,9 @@ pub(crate) struct Job<'a> {
     pub(crate) parts: Parts,
     /// Whether there is more to do than to mark cells.
     pub(crate) needs_fragments: bool,
-    grid_from_local: Vec<DAffine3>,
+    placements: Vec<Placement>,
+    /// The cell of each vertex of each mesh: vertices have more triangles than one, and most of those need no more.
+    vertex_cells: Vec<Vec<PackedCell>>,
     rim: f64,
     snap: f64,
     options: &'a VoxelizeOptions<'a>,
@@ -62,24 +131,36 @@ impl<'a> Job<'a> {
         parts.point |= is_masked;
         // Half of the last bit of coordinates in f32 is 2^-13 cells in a grid of 2048.
         let rim = (f64::from(grid.dims.max_element()) * 2f64.powi(-23)).max(1e-4);
-        Ok(Self {
+        let mut job = Self {
             model,
             channels: &options.channels,
             coverage: options.coverage,
             grid,
             parts,
             needs_fragments: is_masked || !options.channels.is_empty(),
-            grid_from_local: model
+            placements: model
                 .meshes
                 .iter()
-                .map(|mesh| grid_from_world * DAffine3::from_mat4(mesh.world_from_local.as_dmat4()))
+                .map(|mesh| Placement::new(&grid_from_world, &mesh.world_from_local))
                 .collect(),
+            vertex_cells: Vec::new(),
             rim,
             snap: if options.snap > 0.0 { options.snap.min(0.5) } else { 0.0 },
             options,
             cancelled: AtomicBool::new(false),
             finished_bytes: AtomicU64::new(0),
-        })
+        };
+        let cells = model.meshes.iter().enumerate().map(|(mesh, view)| {
+            let positions = view.triangles.positions.par_iter().with_min_len(4096);
+            positions.map(|position| job.vertex_cell(mesh, position)).collect()
+        });
+        job.vertex_cells = cells.collect();
+        Ok(job)
+    }
+
+    fn vertex_cell(&self, mesh: usize, position: &[f32; 3]) -> PackedCell {
+        let corner = self.corner(mesh, position);
+        if corner.is_finite() { PackedCell::new(cell_of(corner, self.grid.dims)) } else { PackedCell::NONE }
     }
 
     pub(crate) fn dims(&self) -> UVec3 {
@@ -110,33 +191,51 @@ impl<'a> Job<'a> {
         chunks
     }
 
-    /// A triangle in units of cells; none if it names no vertex or is not finite.
+    /// A vertex in units of cells.
     #[inline]
-    pub(crate) fn triangle(&self, mesh: usize, number: u32) -> Option<Triangle> {
-        let view = &self.model.meshes[mesh].triangles;
-        let [a, b, c] = view.indices[number as usize];
-        let at = |n: u32| view.positions.get(n as usize);
-        let positions = [at(a)?, at(b)?, at(c)?];
-        let grid_from_local = &self.grid_from_local[mesh];
-        let mut corners =
-            positions.map(|p| grid_from_local.transform_point3(DVec3::from_array(p.map(f64::from))));
-        // Sums carry what is not finite.
-        if !(corners[0] + corners[1] + corners[2]).element_sum().is_finite() {
+    pub(crate) fn corner(&self, mesh: usize, position: &[f32; 3]) -> DVec3 {
+        let corner = self.placements[mesh].apply(DVec3::from_array(position.map(f64::from)));
+        if self.snap > 0.0 {
+            let boundary = corner.round();
+            let is_near = (corner - boundary).abs().cmple(DVec3::splat(self.snap));
+            return onto_rim(DVec3::select(is_near, boundary, corner), self.grid.dims, self.rim);
+        }
+        onto_rim(corner, self.grid.dims, self.rim)
+    }
+
+    /// The cells that a triangle reaches; none if it names no vertex or is not finite.
+    #[inline]
+    pub(crate) fn reach(&self, mesh: usize, number: u32) -> Option<Reached> {
+        let cells = self.vertex_cells[mesh].as_slice();
+        let [a, b, c] = self.model.meshes[mesh].triangles.indices[number as usize];
+        let (&a, &b, &c) = (cells.get(a as usize)?, cells.get(b as usize)?, cells.get(c as usize)?);
+        if a == b && b == c {
+            return (a != PackedCell::NONE).then_some(Reached::One(a));
+        }
+        if a == PackedCell::NONE || b == PackedCell::NONE || c == PackedCell::NONE {
             return None;
         }
-        if self.snap > 0.0 {
-            for corner in &mut corners {
-                let boundary = corner.round();
-                let is_near = (*corner - boundary).abs().cmple(DVec3::splat(self.snap));
-                *corner = DVec3::select(is_near, boundary, *corner);
-            }
-        }
-        Some(Triangle::new(corners, self.grid.dims, self.rim))
+        let (a, b, c) = (a.cell(), b.cell(), c.cell());
+        Some(Reached::Box(CellBox { low: a.min(b).min(c), high: a.max(b).max(c) }))
+    }
+
+    /// A triangle in units of cells, of which [`Self::reach`] knows the reach.
+    #[inline]
+    pub(crate) fn triangle(&self, mesh: usize, number: u32, reach: CellBox) -> Triangle {
+        let view = &self.model.meshes[mesh].triangles;
+        let [a, b, c] = view.indices[number as usize];
+        let at = |n: u32| self.corner(mesh, &view.positions[n as usize]);
+        Triangle { corners: [at(a), at(b), at(c)], reach }
+    }
+
+    /// A point in cells, in the world.
+    pub(crate) fn world_from_grid(&self, point: DVec3) -> DVec3 {
+        self.grid.origin.as_dvec3() + f64::from(self.grid.cell_size) * point
     }
 
     /// Whether the mesh is mirrored where it stands, so that its triangles turn the other way.
     pub(crate) fn is_mirrored(&self, mesh: usize) -> bool {
-        self.grid_from_local[mesh].matrix3.determinant() < 0.0
+        self.model.meshes[mesh].world_from_local.determinant() < 0.0
     }
 
     /// Tells about progress.
@@ -154,7 +253,12 @@ impl<'a> Job<'a> {
         if self.cancelled.load(Ordering::Relaxed) {
             return Err(VoxelizeError::Cancelled);
         }
-        let reached = self.finished_bytes.load(Ordering::Relaxed);
+        self.check_bytes(0)
+    }
+
+    /// An error if finished bricks and so many bytes more are too much.
+    pub(crate) fn check_bytes(&self, more: usize) -> Result<(), VoxelizeError> {
+        let reached = self.finished_bytes.load(Ordering::Relaxed) + more as u64;
         if reached > self.memory_limit() {
             return Err(VoxelizeError::TooLarge { dims: self.dims(), reached, limit: self.memory_limit() });
         }

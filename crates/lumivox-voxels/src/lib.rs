@@ -26,6 +26,7 @@
 //! `i + nx * (j + ny * k)`.
 
 mod binning;
+mod boundary;
 mod cells;
 mod channels;
 mod coverage;

@@ -2,6 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use lumivox_core::{Bounds, TriangleView};
+use rayon::prelude::*;
 
 /// A texture: linear colour and opacity at texture coordinates, whatever they are; wrapping is its own affair.
 pub type TextureFn<'a> = dyn Fn(Vec2) -> Vec4 + Sync + 'a;
@@ -88,12 +89,27 @@ impl<'a> MeshView<'a> {
 
     /// The world box around the mesh's triangles, leaving aside what is not finite.
     pub fn bounds(&self) -> Bounds {
-        let positions = self.triangles.positions;
-        let used = self.triangles.indices.iter().flatten().filter_map(|&i| positions.get(i as usize));
-        if self.world_from_local == Mat4::IDENTITY {
-            return Bounds::of_points(used.map(|&p| p.into()));
-        }
-        Bounds::of_points(used.map(|&p| self.world_from_local.transform_point3(p.into())))
+        let (positions, to_world) = (self.triangles.positions, self.world_from_local);
+        let stands = to_world == Mat4::IDENTITY;
+        let parts = self.triangles.indices.par_chunks(1 << 14).map(|triangles| {
+            let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+            for &position in triangles.iter().flatten().filter_map(|&i| positions.get(i as usize)) {
+                let point =
+                    if stands { position } else { to_world.transform_point3(position.into()).to_array() };
+                for axis in 0..3 {
+                    // One instruction each, where `f32::min` is several; NaN compares as false and is passed by.
+                    low[axis] = if point[axis] < low[axis] { point[axis] } else { low[axis] };
+                    high[axis] = if point[axis] > high[axis] { point[axis] } else { high[axis] };
+                }
+            }
+            let bounds = Bounds::new(low.into(), high.into());
+            if bounds.min.is_finite() && bounds.max.is_finite() {
+                return bounds;
+            }
+            let used = triangles.iter().flatten().filter_map(|&i| positions.get(i as usize));
+            Bounds::of_points(used.map(|&p| to_world.transform_point3(p.into())))
+        });
+        parts.reduce(|| Bounds::EMPTY, |a, b| a.union(&b))
     }
 
     /// What is wrong with the number of its attributes, if anything.

@@ -110,7 +110,7 @@ impl<'a> Face<'a> {
         });
         let texel = |texture: Option<&crate::TextureFn<'_>>| texture.map_or(Vec4::ONE, |texture| texture(uv));
         SurfacePoint {
-            position: (job.grid.origin.as_dvec3() + side * piece.point).as_vec3(),
+            position: job.world_from_grid(piece.point).as_vec3(),
             normal: if normal == Vec3::ZERO { self.normal } else { normal },
             uv,
             color: self.material.base_color * texel(self.material.base_color_texture) * vertex_color,
@@ -127,17 +127,18 @@ impl<'a> Face<'a> {
 /// Unit length in f32; zero for what has no direction. Largest component first: squares of tiny triangles underflow.
 fn unit(v: DVec3) -> Vec3 {
     let largest = v.abs().max_element();
-    if largest > 0.0 && largest.is_finite() { (v / largest).normalize_or_zero().as_vec3() } else { Vec3::ZERO }
+    if largest > 0.0 && largest.is_finite() {
+        (v / largest).normalize_or_zero().as_vec3()
+    } else {
+        Vec3::ZERO
+    }
 }
 
 /// Turns normals as the mesh is turned: the cofactors, which exist for flattening transforms too.
 fn normal_from_local(view: &MeshView<'_>) -> Mat3 {
     let m = DMat3::from_mat4(view.world_from_local.as_dmat4());
-    let cofactors = DMat3::from_cols(
-        m.y_axis.cross(m.z_axis),
-        m.z_axis.cross(m.x_axis),
-        m.x_axis.cross(m.y_axis),
-    );
+    let cofactors =
+        DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     let largest = cofactors.to_cols_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     // A mirror turns cofactors inside out.
     let scale = if m.determinant() < 0.0 { -1.0 } else { 1.0 } / if largest > 0.0 { largest } else { 1.0 };

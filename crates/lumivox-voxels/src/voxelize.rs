@@ -56,8 +56,12 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
     report.skipped_triangles =
         slab(&job, &chunks, &CellBox { low: IVec3::ZERO, high: bricks - 1 }, &mut all)?;
     let surface = BrickSet::new(grid.dims, all.bricks, all.masks);
-    let channels: Vec<ChannelData> =
-        job.channels.iter().zip(all.values).map(|(channel, values)| ChannelData::new(channel, values)).collect();
+    let channels: Vec<ChannelData> = job
+        .channels
+        .iter()
+        .zip(all.values)
+        .map(|(channel, values)| ChannelData::new(channel, values))
+        .collect();
     let solid = if options.solid {
         let (solid, found) = fill::solid(&job, &surface)?;
         report.solid = Some(found);

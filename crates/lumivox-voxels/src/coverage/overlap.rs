@@ -13,7 +13,7 @@
 
 use glam::{DVec3, IVec3};
 
-use super::triangle::{CellBox, Triangle, axis, ceil, dominant, floor};
+use super::triangle::{CellBox, Triangle, ceil, dominant, floor};
 
 /// Cells count as larger by this, relative to their size, so that closed tests stay closed under rounding.
 const SLACK: f64 = 1e-9;
@@ -27,6 +27,42 @@ pub(crate) trait Reach {
     fn reach(a: f64, b: f64, c: f64) -> f64;
 }
 
+/// Calls `mark` for each cell of `within` that the triangle marks.
+#[inline]
+pub(crate) fn walk<R: Reach>(triangle: &Triangle, within: &CellBox, mark: &mut impl FnMut(IVec3)) {
+    let CellBox { low, high } = triangle.reach.intersection(within);
+    let mut facing = None;
+    if R::TOUCHES {
+        let CellBox { low: from, high: to } = triangle.reach;
+        let flat = [from.x == to.x, from.y == to.y, from.z == to.z];
+        match flat.iter().filter(|flat| **flat).count() {
+            0 => {}
+            1 => facing = flat.iter().position(|flat| *flat),
+            _ => {
+                for z in low.z..=high.z {
+                    for y in low.y..=high.y {
+                        (low.x..=high.x).for_each(|x| mark(IVec3::new(x, y, z)));
+                    }
+                }
+                return;
+            }
+        }
+    }
+    if let Some(d) = facing {
+        return match d {
+            0 => layer::<R, 0>(triangle, low, high, mark),
+            1 => layer::<R, 1>(triangle, low, high, mark),
+            _ => layer::<R, 2>(triangle, low, high, mark),
+        };
+    }
+    let normal = triangle.normal();
+    match dominant(normal) {
+        0 => volume::<R, 0>(triangle, normal, low, high, mark),
+        1 => volume::<R, 1>(triangle, normal, low, high, mark),
+        _ => volume::<R, 2>(triangle, normal, low, high, mark),
+    }
+}
+
 /// The line of an edge in a projection: cells `(p, q)` with `a p + b q + c >= 0` are on the inner side or reach it.
 #[derive(Clone, Copy)]
 struct Line {
@@ -36,112 +72,121 @@ struct Line {
 }
 
 impl Line {
+    /// The line from `corner` along `edge`, with the inner side on the left times `side`.
     #[inline]
-    fn passes(&self, p: f64, q: f64) -> bool {
-        self.a * p + self.b * q + self.c >= 0.0
-    }
-}
-
-/// The three lines of the projection onto axes `p` and `q`, seen so that the triangle runs counter-clockwise.
-#[inline]
-fn lines<R: Reach>(triangle: &Triangle, edges: &[DVec3; 3], facing: f64, p: usize, q: usize) -> [Line; 3] {
-    let side = if facing < 0.0 { -1.0 } else { 1.0 };
-    std::array::from_fn(|i| {
-        let (a, b) = (-side * axis(edges[i], q), side * axis(edges[i], p));
-        let corner = triangle.corners[i];
-        let at_corner = a * axis(corner, p) + b * axis(corner, q);
+    fn new<R: Reach>(corner: DVec3, edge: DVec3, side: f64, p: usize, q: usize) -> Self {
+        let (a, b) = (-side * edge[q], side * edge[p]);
+        let at_corner = a * corner[p] + b * corner[q];
         let grown = R::reach(a, b, 0.0) + SLACK * (a.abs() + b.abs());
-        Line { a, b, c: 0.5 * (a + b) + grown - at_corner }
-    })
-}
-
-/// Calls `mark` for each cell of `within` that the triangle marks.
-#[inline]
-pub(crate) fn walk<R: Reach>(triangle: &Triangle, within: &CellBox, mark: &mut impl FnMut(IVec3)) {
-    let CellBox { low, high } = triangle.reach.intersection(within);
-    if R::TOUCHES {
-        let wide = triangle.reach.low.cmpne(triangle.reach.high);
-        let spread = usize::from(wide.x) + usize::from(wide.y) + usize::from(wide.z);
-        if spread <= 1 {
-            for z in low.z..=high.z {
-                for y in low.y..=high.y {
-                    (low.x..=high.x).for_each(|x| mark(IVec3::new(x, y, z)));
-                }
-            }
-            return;
-        }
-        if spread == 2 {
-            let d = if !wide.x { 0 } else if !wide.y { 1 } else { 2 };
-            return layer::<R>(triangle, low, high, d, mark);
-        }
+        Self { a, b, c: 0.5 * (a + b) + grown - at_corner }
     }
-    volume::<R>(triangle, low, high, mark);
+
+    #[inline]
+    fn at(&self, p: f64, q: f64) -> f64 {
+        self.a * p + self.b * q + self.c
+    }
 }
 
-/// All cells have the same `d` coordinate: the projection along `d` decides.
-fn layer<R: Reach>(triangle: &Triangle, low: IVec3, high: IVec3, d: usize, mark: &mut impl FnMut(IVec3)) {
-    let (p, q) = ((d + 1) % 3, (d + 2) % 3);
-    let edges = triangle.edges();
-    let facing = axis(edges[0], p) * axis(edges[1], q) - axis(edges[0], q) * axis(edges[1], p);
-    let lines = lines::<R>(triangle, &edges, facing, p, q);
-    let mut cell = low;
+/// The three lines of a projection.
+struct Lines([Line; 3]);
+
+impl Lines {
+    /// The projection onto axes `p` and `q`, seen so that the triangle runs counter-clockwise.
+    #[inline]
+    fn new<R: Reach>(triangle: &Triangle, facing: f64, p: usize, q: usize) -> Self {
+        let side = if facing < 0.0 { -1.0 } else { 1.0 };
+        let [a, b, c] = triangle.corners;
+        let [e0, e1, e2] = triangle.edges();
+        Self([
+            Line::new::<R>(a, e0, side, p, q),
+            Line::new::<R>(b, e1, side, p, q),
+            Line::new::<R>(c, e2, side, p, q),
+        ])
+    }
+
+    #[inline]
+    fn pass(&self, p: f64, q: f64) -> bool {
+        let [a, b, c] = &self.0;
+        // Without short cuts: three additions take less than a branch that nobody can foresee.
+        (a.at(p, q) >= 0.0) & (b.at(p, q) >= 0.0) & (c.at(p, q) >= 0.0)
+    }
+
+    /// The columns of row `q` that pass, within `low..=high`; none if the first is beyond the last.
+    #[inline]
+    fn row(&self, q: f64, low: i32, high: i32) -> (i32, i32) {
+        let (mut first, mut last) = (low, high);
+        for line in &self.0 {
+            let rest = line.b * q + line.c;
+            if line.a > 0.0 {
+                first = first.max(ceil(-rest / line.a));
+            } else if line.a < 0.0 {
+                last = last.min(floor(rest / -line.a));
+            } else if rest < 0.0 {
+                return (1, 0);
+            }
+        }
+        (first, last)
+    }
+}
+
+#[inline]
+fn cell<const D: usize>(d: i32, p: i32, q: i32) -> IVec3 {
+    match D {
+        0 => IVec3::new(d, p, q),
+        1 => IVec3::new(q, d, p),
+        _ => IVec3::new(p, q, d),
+    }
+}
+
+/// All cells have the same `D` coordinate: the projection along `D` decides.
+#[inline]
+fn layer<R: Reach, const D: usize>(
+    triangle: &Triangle,
+    low: IVec3,
+    high: IVec3,
+    mark: &mut impl FnMut(IVec3),
+) {
+    let (p, q) = ((D + 1) % 3, (D + 2) % 3);
+    let [e0, e1, _] = triangle.edges();
+    let lines = Lines::new::<R>(triangle, e0[p] * e1[q] - e0[q] * e1[p], p, q);
     for j in low[q]..=high[q] {
         for i in low[p]..=high[p] {
-            if lines.iter().all(|line| line.passes(f64::from(i), f64::from(j))) {
-                cell[p] = i;
-                cell[q] = j;
-                mark(cell);
+            if lines.pass(f64::from(i), f64::from(j)) {
+                mark(cell::<D>(low[D], i, j));
             }
         }
     }
 }
 
-/// The general case.
-fn volume<R: Reach>(triangle: &Triangle, low: IVec3, high: IVec3, mark: &mut impl FnMut(IVec3)) {
-    let edges = triangle.edges();
-    let normal = triangle.normal();
-    let d = dominant(normal);
-    let (p, q) = ((d + 1) % 3, (d + 2) % 3);
-    let bounds = lines::<R>(triangle, &edges, axis(normal, d), p, q);
-    let along_p = lines::<R>(triangle, &edges, axis(normal, p), q, d);
-    let along_q = lines::<R>(triangle, &edges, axis(normal, q), d, p);
-    let plane = Plane::new::<R>(triangle, normal, d);
-    let mut cell = low;
+/// The general case; the triangle faces `D` most.
+#[inline]
+fn volume<R: Reach, const D: usize>(
+    triangle: &Triangle,
+    normal: DVec3,
+    low: IVec3,
+    high: IVec3,
+    mark: &mut impl FnMut(IVec3),
+) {
+    let (p, q) = ((D + 1) % 3, (D + 2) % 3);
+    let bounds = Lines::new::<R>(triangle, normal[D], p, q);
+    let along_p = Lines::new::<R>(triangle, normal[p], q, D);
+    let along_q = Lines::new::<R>(triangle, normal[q], D, p);
+    let plane = Plane::new::<R, D>(triangle, normal);
     for j in low[q]..=high[q] {
-        let (first, last) = row(&bounds, f64::from(j), low[p], high[p]);
+        let (first, last) = bounds.row(f64::from(j), low[p], high[p]);
         for i in first..=last {
-            let (bottom, top) = plane.interval(f64::from(i), f64::from(j), low[d], high[d]);
+            let (bottom, top) = plane.interval(f64::from(i), f64::from(j), low[D], high[D]);
             for k in bottom..=top {
-                let (i, j, k) = (f64::from(i), f64::from(j), f64::from(k));
-                if along_p.iter().all(|line| line.passes(j, k)) && along_q.iter().all(|line| line.passes(k, i)) {
-                    cell[d] = k as i32;
-                    cell[p] = i as i32;
-                    cell[q] = j as i32;
-                    mark(cell);
+                let height = f64::from(k);
+                if along_p.pass(f64::from(j), height) && along_q.pass(height, f64::from(i)) {
+                    mark(cell::<D>(k, i, j));
                 }
             }
         }
     }
 }
 
-/// The columns of row `q` that pass all three lines, within `low..=high`; none if the first is beyond the last.
-#[inline]
-fn row(lines: &[Line; 3], q: f64, low: i32, high: i32) -> (i32, i32) {
-    let (mut first, mut last) = (low, high);
-    for line in lines {
-        let rest = line.b * q + line.c;
-        if line.a > 0.0 {
-            first = first.max(ceil(-rest / line.a));
-        } else if line.a < 0.0 {
-            last = last.min(floor(rest / -line.a));
-        } else if rest < 0.0 {
-            return (1, 0);
-        }
-    }
-    (first, last)
-}
-
-/// The triangle's plane as heights `low.p * p + low.q * q + low.c` over the columns, between which cells reach it.
+/// The triangle's plane as heights `middle - p i - q j` over the columns, give or take `half` where cells reach it.
 struct Plane {
     p: f64,
     q: f64,
@@ -151,14 +196,14 @@ struct Plane {
 
 impl Plane {
     #[inline]
-    fn new<R: Reach>(triangle: &Triangle, normal: DVec3, d: usize) -> Self {
-        let height = axis(normal, d);
+    fn new<R: Reach, const D: usize>(triangle: &Triangle, normal: DVec3) -> Self {
+        let height = normal[D];
         if height == 0.0 {
             return Self { p: 0.0, q: 0.0, middle: 0.0, half: f64::INFINITY };
         }
-        let (p, q) = (axis(normal, (d + 1) % 3) / height, axis(normal, (d + 2) % 3) / height);
+        let (p, q) = (normal[(D + 1) % 3] / height, normal[(D + 2) % 3] / height);
         let corner = triangle.corners[0];
-        let offset = axis(corner, d) + p * axis(corner, (d + 1) % 3) + q * axis(corner, (d + 2) % 3);
+        let offset = corner[D] + p * corner[(D + 1) % 3] + q * corner[(D + 2) % 3];
         let middle = offset - 0.5 * (1.0 + p + q);
         Self { p, q, middle, half: R::reach(1.0, p, q) + SLACK * (1.0 + p.abs() + q.abs()) }
     }

@@ -23,6 +23,10 @@ impl CellBox {
         self.high.cmplt(self.low).any()
     }
 
+    pub(crate) fn contains(&self, cell: IVec3) -> bool {
+        cell.cmpge(self.low).all() && cell.cmple(self.high).all()
+    }
+
     /// The bricks, or pages of any other power of two, that hold the cells.
     pub(crate) fn coarser(&self, shift: u32) -> Self {
         Self { low: self.low >> shift as i32, high: self.high >> shift as i32 }
@@ -33,45 +37,34 @@ impl CellBox {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
     pub(crate) corners: [DVec3; 3],
-    /// Cells along each axis that the triangle reaches, not cut off at the grid.
+    /// Cells along each axis that the triangle reaches, as [`cell_of`] counts them.
     pub(crate) reach: CellBox,
 }
 
 impl Triangle {
-    /// A triangle on a grid of `dims` cells. `corners` must be finite.
-    ///
-    /// The grid owns its faces: corners up to `rim` cells outside are moved onto them. Rounding of a grid's origin and
-    /// cell size would else lose the sides of the very box that it was fitted to.
-    #[inline]
-    pub(crate) fn new(corners: [DVec3; 3], dims: UVec3, rim: f64) -> Self {
-        let n = dims.as_dvec3();
-        let mut corners = corners;
-        let mut low = corners[0].min(corners[1]).min(corners[2]);
-        let mut high = corners[0].max(corners[1]).max(corners[2]);
-        if low.cmplt(DVec3::ZERO).any() || high.cmpgt(n).any() {
-            for corner in &mut corners {
-                let onto = corner.clamp(DVec3::ZERO, n);
-                let is_near = (*corner - onto).abs().cmple(DVec3::splat(rim));
-                *corner = DVec3::select(is_near, onto, *corner);
-            }
-            low = corners[0].min(corners[1]).min(corners[2]);
-            high = corners[0].max(corners[1]).max(corners[2]);
-        }
-        Self { corners, reach: CellBox { low: cell_of(low, n), high: cell_of(high, n) } }
-    }
-
     /// The same triangle in units of `2^shift` cells.
     pub(crate) fn coarser(&self, shift: u32) -> Self {
         let scale = 1.0 / f64::from(1u32 << shift);
-        Self { corners: self.corners.map(|c| scale * c), reach: self.reach.coarser(shift) }
+        let [a, b, c] = self.corners;
+        Self { corners: [scale * a, scale * b, scale * c], reach: self.reach.coarser(shift) }
     }
 
+    #[cfg(test)]
+    pub(crate) fn on_grid(corners: [DVec3; 3], dims: UVec3) -> Self {
+        let cells = corners.map(|corner| cell_of(corner, dims));
+        let reach =
+            CellBox { low: cells[0].min(cells[1]).min(cells[2]), high: cells[0].max(cells[1]).max(cells[2]) };
+        Self { corners, reach }
+    }
+
+    #[inline]
     pub(crate) fn edges(&self) -> [DVec3; 3] {
         let [a, b, c] = self.corners;
         [b - a, c - b, a - c]
     }
 
     /// A normal of twice the area's length; zero where the corners lie on a line but for rounding.
+    #[inline]
     pub(crate) fn normal(&self) -> DVec3 {
         let [e0, e1, e2] = self.edges();
         let normal = e0.cross(e1);
@@ -80,11 +73,36 @@ impl Triangle {
     }
 }
 
-/// The cell of a point; the upper faces of a grid of `n` cells belong to its last cells.
+/// A corner on a grid of `dims` cells: the grid owns its faces, and corners up to `rim` cells outside are moved onto
+/// them. Rounding of a grid's origin and cell size would else lose the sides of the very box that it was fitted to.
 #[inline]
-fn cell_of(point: DVec3, n: DVec3) -> IVec3 {
-    let cell = IVec3::new(floor(point.x), floor(point.y), floor(point.z));
-    cell - IVec3::new(i32::from(point.x == n.x), i32::from(point.y == n.y), i32::from(point.z == n.z))
+pub(crate) fn onto_rim(corner: DVec3, dims: UVec3, rim: f64) -> DVec3 {
+    let n = dims.as_dvec3();
+    if corner.cmpge(DVec3::ZERO).all() && corner.cmple(n).all() {
+        return corner;
+    }
+    let onto = corner.max(DVec3::ZERO).min(n);
+    DVec3::select((corner - onto).abs().cmple(DVec3::splat(rim)), onto, corner)
+}
+
+/// The cell of a corner, one beyond the grid for all that lies outside. The upper faces of the grid belong to its last
+/// cells.
+///
+/// Cutting off at one beyond keeps apart what is inside and what is not, so that a triangle that reaches into the grid
+/// still shows on which axes it spans more than one cell.
+#[inline]
+pub(crate) fn cell_of(corner: DVec3, dims: UVec3) -> IVec3 {
+    let along = |x: f64, n: u32| {
+        let n = f64::from(n);
+        if x >= 0.0 && x < n {
+            x as i32
+        } else if x == n {
+            n as i32 - 1
+        } else {
+            floor(x.max(-1.0).min(n))
+        }
+    };
+    IVec3::new(along(corner.x, dims.x), along(corner.y, dims.y), along(corner.z, dims.z))
 }
 
 /// `floor` as an integer, without the call that `f64::floor` is on older processors. Saturates.
@@ -99,12 +117,6 @@ pub(crate) fn floor(x: f64) -> i32 {
 pub(crate) fn ceil(x: f64) -> i32 {
     let towards_zero = x as i32;
     towards_zero.saturating_add(i32::from(f64::from(towards_zero) < x))
-}
-
-/// A component of a vector.
-#[inline]
-pub(crate) fn axis(v: DVec3, a: usize) -> f64 {
-    v[a]
 }
 
 /// The axis along which a vector is longest; the first of those that tie.
@@ -135,16 +147,11 @@ mod tests {
     #[test]
     fn grids_own_their_faces_and_what_rounding_pushes_out() {
         let dims = UVec3::splat(4);
-        let wall = |x: f64| {
-            let corners = [DVec3::new(x, 0.5, 0.5), DVec3::new(x, 1.5, 0.5), DVec3::new(x, 0.5, 1.5)];
-            let reach = Triangle::new(corners, dims, 1e-4).reach;
-            (reach.low.x, reach.high.x)
-        };
-        assert_eq!(wall(-5e-5), (0, 0));
-        assert_eq!(wall(-5e-4), (-1, -1));
-        assert_eq!(wall(1.0), (1, 1));
-        assert_eq!(wall(4.0), (3, 3));
-        assert_eq!(wall(4.000_05), (3, 3));
-        assert_eq!(wall(4.000_5), (4, 4));
+        let cell = |x: f64| cell_of(onto_rim(DVec3::new(x, 0.5, 3.5), dims, 1e-4), dims);
+        for (x, expected) in
+            [(-5e-5, 0), (-5e-4, -1), (-9.0, -1), (1.0, 1), (4.0, 3), (4.000_05, 3), (4.000_5, 4), (1e30, 4)]
+        {
+            assert_eq!(cell(x), IVec3::new(expected, 0, 3), "{x}");
+        }
     }
 }

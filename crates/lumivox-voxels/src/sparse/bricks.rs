@@ -93,9 +93,14 @@ impl BrickSet {
         self.indices.iter().map(|&index| brick_of(self.along, index)).zip(&self.masks)
     }
 
-    /// The bits of a brick; none if it is empty. `brick` must lie in the grid.
-    pub(crate) fn mask(&self, brick: UVec3) -> Option<&Mask> {
-        self.directory.get(brick).map(|number| &self.masks[number as usize])
+    /// The number of a brick; none if it is empty. `brick` must lie in the grid.
+    pub(crate) fn number(&self, brick: UVec3) -> Option<usize> {
+        self.directory.get(brick).map(|number| number as usize)
+    }
+
+    /// The bits of the brick with a number.
+    pub(crate) fn mask_of(&self, number: usize) -> &Mask {
+        &self.masks[number]
     }
 
     /// The slot of a cell, if it is in the set. `cell` must lie in the grid.
@@ -133,10 +138,17 @@ impl BrickSet {
     }
 
     /// The cells of a brick that differ in x only.
-    fn octet(&self, number: usize, row: &Row, y: u32, z: u32) -> impl Iterator<Item = (UVec3, usize)> + use<> {
+    fn octet(
+        &self,
+        number: usize,
+        row: &Row,
+        y: u32,
+        z: u32,
+    ) -> impl Iterator<Item = (UVec3, usize)> + use<> {
         let mut bits = (self.masks[number][z as usize] >> (SIDE * y)) as u8;
         let mut slot = if bits == 0 { 0 } else { self.rank(number, z as usize, SIDE * y) };
-        let first = UVec3::new(self.indices[number] % self.along.x, row.y, row.z) * SIDE + UVec3::new(0, y, z);
+        let first =
+            UVec3::new(self.indices[number] % self.along.x, row.y, row.z) * SIDE + UVec3::new(0, y, z);
         std::iter::from_fn(move || {
             if bits == 0 {
                 return None;

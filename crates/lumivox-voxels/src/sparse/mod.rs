@@ -175,11 +175,6 @@ impl SparseVolume {
         self.occupied().bricks()
     }
 
-    /// The bits of one brick.
-    pub(crate) fn brick(&self, brick: UVec3) -> Option<&Mask> {
-        self.occupied().mask(brick)
-    }
-
     /// All channels.
     pub fn channels(&self) -> &[ChannelData] {
         &self.channels

@@ -1,0 +1,242 @@
+//! What holds whatever the mesh: nothing depends on order, parts or threads, and closed surfaces keep in from out.
+
+mod common;
+
+use common::{COVERAGES, Dice, Soup, cuboid, on_grid, sphere, unit_grid};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{UVec3, Vec3};
+use lumivox_core::{Bounds, Grid, TriangleView};
+use lumivox_voxels::{
+    Channel, Coverage, Format, GridSpec, MeshView, Model, Progress, Rule, SparseVolume, Stage, VoxelizeError,
+    VoxelizeOptions, voxelize,
+};
+
+/// Every rule and format, with values that depend on where one looks.
+fn channels() -> Vec<Channel> {
+    let mut channels = vec![Channel::albedo(), Channel::normal(), Channel::emission(), Channel::area()];
+    for rule in [Rule::Average, Rule::Sum, Rule::Maximum, Rule::Nearest] {
+        let place = Channel::custom("place", 4, |s| (1e3 * s.position).extend(s.area).to_array());
+        channels.push(place.named(&format!("{rule:?}")).rule(rule).format(Format::F32));
+    }
+    channels
+}
+
+fn full(model: &Model<'_>, grid: Grid, coverage: Coverage) -> SparseVolume {
+    let grid = GridSpec::Grid(grid);
+    voxelize(model, &VoxelizeOptions { grid, coverage, channels: channels(), ..VoxelizeOptions::default() })
+        .unwrap()
+}
+
+fn assert_same_bits(a: &SparseVolume, b: &SparseVolume) {
+    assert!(a.cells().eq(b.cells()));
+    for (a, b) in a.channels().iter().zip(b.channels()) {
+        assert_eq!(a.values().as_bytes(), b.values().as_bytes(), "{}", a.name());
+    }
+}
+
+/// Large and small, many in one cell, all over bricks and beyond the grid.
+fn soup() -> Soup {
+    let mut dice = Dice(5);
+    Soup::of((0..3000).map(|n| {
+        let size = if n % 50 == 0 { 40.0 } else { 1.3 };
+        let center = 34.0 * dice.point() - 1.0;
+        [0; 3].map(|_| center + size * (dice.point() - 0.5))
+    }))
+}
+
+#[test]
+fn neither_order_nor_parts_nor_threads_change_a_bit() {
+    let soup = soup();
+    let grid = unit_grid(33, 31, 32);
+    for coverage in COVERAGES {
+        let base = full(&Model::from(soup.view()), grid, coverage);
+        assert!(base.len() > 1000);
+
+        let mut shuffled = soup.clone();
+        let mut dice = Dice(9);
+        for n in (1..shuffled.indices.len()).rev() {
+            shuffled.indices.swap(n, (dice.roll() * n as f32) as usize);
+        }
+        assert_same_bits(&base, &full(&Model::from(shuffled.view()), grid, coverage));
+
+        let (first, second) = soup.indices.split_at(1234);
+        let part = |indices| MeshView::new(TriangleView { positions: &soup.positions, indices });
+        let split = Model { meshes: vec![part(second), part(&[]), part(first)], materials: Vec::new() };
+        assert_same_bits(&base, &full(&split, grid, coverage));
+
+        for threads in [1, 2, 7] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let other = pool.install(|| full(&Model::from(soup.view()), grid, coverage));
+            assert_same_bits(&base, &other);
+        }
+    }
+}
+
+/// More triangles in one brick than a thread gets at a time.
+#[test]
+fn crowded_bricks_are_shared_without_changing_a_bit() {
+    let mut dice = Dice(3);
+    let soup = Soup::of((0..20_000).map(|_| {
+        let center = 4.0 * dice.point();
+        [0; 3].map(|_| center + 0.5 * dice.point())
+    }));
+    let base = full(&Model::from(soup.view()), unit_grid(5, 5, 5), Coverage::Exact);
+    let (first, second) = soup.indices.split_at(3000);
+    let part = |indices| MeshView::new(TriangleView { positions: &soup.positions, indices });
+    let split = Model { meshes: vec![part(second), part(first)], materials: Vec::new() };
+    assert_same_bits(&base, &full(&split, unit_grid(5, 5, 5), Coverage::Exact));
+}
+
+#[test]
+fn channels_change_no_cell() {
+    let soup = soup();
+    let grid = unit_grid(33, 31, 32);
+    for coverage in COVERAGES {
+        let with = full(&Model::from(soup.view()), grid, coverage);
+        assert!(with.cells().eq(on_grid(&soup, grid, coverage).cells()), "{coverage:?}");
+    }
+}
+
+#[test]
+fn lists_that_fit_only_slab_by_slab_change_nothing() {
+    let soup = soup();
+    let model = Model::from(soup.view());
+    let binned = AtomicU64::new(0);
+    let count = |progress: Progress| {
+        if progress.stage == Stage::Binning {
+            binned.fetch_add(1, Ordering::Relaxed);
+        }
+        ControlFlow::Continue(())
+    };
+    let mut options = VoxelizeOptions {
+        grid: GridSpec::Grid(unit_grid(33, 31, 32)),
+        channels: vec![Channel::albedo()],
+        progress: Some(&count),
+        ..VoxelizeOptions::default()
+    };
+    let all_at_once = voxelize(&model, &options).unwrap();
+    let once = binned.swap(0, Ordering::Relaxed);
+    options.memory_limit = 200_000;
+    assert_same_bits(&all_at_once, &voxelize(&model, &options).unwrap());
+    assert!(binned.load(Ordering::Relaxed) >= 3 * once, "was it split at all?");
+    options.memory_limit = 20_000;
+    let error = voxelize(&model, &options).unwrap_err();
+    assert!(matches!(error, VoxelizeError::TooLarge { limit: 20_000, .. }), "{error}");
+}
+
+#[test]
+fn thin_and_sampled_lie_inside_exact() {
+    for soup in [soup(), sphere(14.2, 4)] {
+        let grid = unit_grid(33, 31, 32);
+        let exact = on_grid(&soup, grid, Coverage::Exact);
+        for coverage in [Coverage::Thin, Coverage::Sampled] {
+            let inner = on_grid(&soup, grid, coverage);
+            assert!(inner.cells().all(|cell| exact.contains(cell)), "{coverage:?}");
+            assert!(!inner.is_empty() && inner.len() < exact.len());
+        }
+    }
+}
+
+/// Cells that are reached from a corner of the grid over free neighbours, `corners` through edges and corners too.
+fn reached(volume: &SparseVolume, corners: bool) -> Vec<bool> {
+    let grid = *volume.grid();
+    let occupied = common::flags(volume);
+    let mut reached = vec![false; occupied.len()];
+    let mut waiting = vec![UVec3::ZERO];
+    reached[0] = true;
+    while let Some(cell) = waiting.pop() {
+        for n in 0..27 {
+            let step = glam::IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+            let next = cell.as_ivec3() + step;
+            if (!corners && step.abs().element_sum() != 1)
+                || next.cmplt(glam::IVec3::ZERO).any()
+                || next.cmpge(grid.dims.as_ivec3()).any()
+            {
+                continue;
+            }
+            let index = grid.index(next.as_uvec3());
+            if !occupied[index] && !reached[index] {
+                reached[index] = true;
+                waiting.push(next.as_uvec3());
+            }
+        }
+    }
+    reached
+}
+
+/// A point's depth inside a convex surface around the origin is positive.
+fn assert_separates(what: &str, volume: &SparseVolume, corners: bool, is_inside: impl Fn(Vec3) -> bool) {
+    let reached = reached(volume, corners);
+    let mut inner = 0;
+    for cell in volume.grid().cells().filter(|&cell| !volume.contains(cell)) {
+        let inside = is_inside(volume.grid().center(cell));
+        inner += usize::from(inside);
+        assert_eq!(reached[volume.grid().index(cell)], !inside, "{what} {cell}");
+    }
+    assert!(inner > 20, "{what}: {inner} free cells inside");
+}
+
+#[test]
+fn closed_surfaces_keep_in_from_out() {
+    for n in [17, 32] {
+        let grid = Grid::fit_with_margin(&Bounds::new(Vec3::splat(-1.0), Vec3::splat(1.0)), n).unwrap();
+        // Faces, then faces, edges and corners; a fine mesh, and one of eight triangles through corners of cells.
+        for (soup, level) in [(sphere(0.97, 4), 4), (sphere(0.9, 0), 0)] {
+            let is_inside =
+                |p: Vec3| if level == 0 { p.abs().element_sum() < 0.9 } else { p.length() < 0.97 };
+            assert_separates("exact", &on_grid(&soup, grid, Coverage::Exact), true, is_inside);
+            assert_separates("thin", &on_grid(&soup, grid, Coverage::Thin), false, is_inside);
+        }
+    }
+}
+
+/// The worst case for boundaries: faces, edges and corners of the surface all lie on those of cells.
+#[test]
+fn surfaces_through_corners_of_cells_have_no_cracks() {
+    let grid = unit_grid(16, 16, 16);
+    for (what, soup, is_inside) in [
+        (
+            "box",
+            cuboid(Vec3::splat(4.0), Vec3::splat(11.0)),
+            (|p: Vec3| (p - 7.5).abs().max_element() < 3.5) as fn(Vec3) -> bool,
+        ),
+        (
+            "octahedron",
+            {
+                let mut soup = sphere(6.0, 0);
+                soup.positions.iter_mut().for_each(|p| *p = (Vec3::from(*p) + 8.0).to_array());
+                soup
+            },
+            |p: Vec3| (p - 8.0).abs().element_sum() < 6.0,
+        ),
+    ] {
+        assert_separates(what, &on_grid(&soup, grid, Coverage::Exact), true, is_inside);
+        assert_separates(what, &on_grid(&soup, grid, Coverage::Thin), false, is_inside);
+    }
+}
+
+#[test]
+fn cells_come_in_the_order_of_their_index_and_slots_fit_them() {
+    let volume = full(&Model::from(soup().view()), unit_grid(33, 31, 32), Coverage::Exact);
+    let grid = *volume.grid();
+    let indices: Vec<usize> = volume.cells().map(|cell| grid.index(cell)).collect();
+    assert!(indices.is_sorted_by(|a, b| a < b));
+    assert_eq!(indices.len() as u64, volume.len());
+    let mut slots: Vec<usize> = volume.entries().filter_map(|(_, slot)| slot).collect();
+    assert!(volume.entries().all(|(cell, slot)| volume.slot(cell) == slot));
+    slots.sort_unstable();
+    assert!(slots.into_iter().eq(0..indices.len()));
+    // The place of a surface point lies in its cell.
+    for cell in volume.cells() {
+        let place = volume.value("Average", cell).unwrap().truncate() / 1e3;
+        assert!((place - grid.center(cell)).abs().max_element() < 0.5 + 1e-4, "{cell} {place}");
+    }
+    let dense = volume.to_dense(u64::MAX).unwrap();
+    let occupancy = dense.channel("occupancy").unwrap();
+    assert_eq!(occupancy.iter().filter(|v| v.x == 1.0).count() as u64, volume.len());
+    let cell = volume.cells().nth(100).unwrap();
+    assert_eq!(dense.channel("albedo").unwrap()[grid.index(cell)], volume.value("albedo", cell).unwrap());
+    assert!(volume.to_dense(1000).unwrap_err().to_string().contains("1000"));
+}
