@@ -21,6 +21,7 @@
 //!
 //! - [`voxelize`] takes a [`Model`] of borrowed meshes and [`VoxelizeOptions`], and makes a [`SparseVolume`].
 //! - [`Coverage`] says which cells a triangle marks, [`Channel`] what is stored of the surface in a cell.
+//! - [`files`] writes the volume for NumPy, MagicaVoxel, OpenVDB and others.
 //!
 //! Conventions are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709, cell `(i, j, k)` at index
 //! `i + nx * (j + ny * k)`.
@@ -31,6 +32,7 @@ mod cells;
 mod channels;
 mod coverage;
 mod error;
+pub mod files;
 mod fill;
 mod fragment;
 mod job;

@@ -150,7 +150,7 @@ fn textures_vertex_colours_and_emission_multiply() {
 
 #[test]
 fn holes_of_a_mask_mark_nothing() {
-    let soup = cuboid(Vec3::new(0.0, 3.4, 0.0), Vec3::new(8.0, 3.6, 8.0));
+    let soup = cuboid(Vec3::new(0.01, 3.4, 0.02), Vec3::new(7.97, 3.6, 7.98));
     let uvs: Vec<[f32; 2]> = soup.positions.iter().map(|p| [p[0], p[2]]).collect();
     // Stripes of one cell.
     let stripes = |uv: Vec2| Vec4::new(1.0, 1.0, 1.0, if uv.x.rem_euclid(2.0) < 1.0 { 1.0 } else { 0.2 });
@@ -160,9 +160,8 @@ fn holes_of_a_mask_mark_nothing() {
     let model = Model { meshes: vec![mesh], materials: vec![material] };
     for channels in [vec![], vec![Channel::albedo()]] {
         let volume = run(&model, 8, Coverage::Exact, channels);
-        // The last face lies on the grid's, and the cells there belong to the sides, x = 8.
-        assert!(volume.cells().all(|cell| cell.x % 2 == 0 || cell.x == 7));
-        assert_eq!(volume.cells().filter(|cell| cell.x % 2 == 0).count(), 32);
+        assert!(volume.cells().all(|cell| cell.x % 2 == 0 && cell.y == 3));
+        assert_eq!(volume.len(), 32);
     }
 }
 
@@ -179,7 +178,7 @@ fn own_channels_see_the_surface_as_it_is() {
     ];
     let model = Model { meshes, materials: vec![] };
     let which = Channel::custom("which", 4, |s| {
-        assert!((s.barycentric.element_sum() - 1.0).abs() < 1e-5 && s.area > 0.0 && s.color == Vec4::ONE);
+        assert!((s.barycentric.element_sum() - 1.0).abs() < 1e-5 && s.area >= 0.0 && s.color == Vec4::ONE);
         [s.mesh as f32, s.material as f32, s.position.y, s.normal.y]
     });
     let volume = run(&model, 8, Coverage::Exact, vec![which.format(Format::F32)]);

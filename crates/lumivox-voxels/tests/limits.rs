@@ -129,7 +129,7 @@ fn progress_reaches_its_end_and_break_cancels() {
     };
     let options = VoxelizeOptions { progress: Some(&note), solid: true, ..VoxelizeOptions::resolution(100) };
     voxelize(&Model::from(soup.view()), &options).unwrap();
-    let seen = seen.into_inner().unwrap();
+    let seen = seen.lock().unwrap().clone();
     for stage in [Stage::Binning, Stage::Cells, Stage::Filling] {
         let of_stage: Vec<&Progress> = seen.iter().filter(|p| p.stage == stage).collect();
         assert!(of_stage.iter().all(|p| p.done <= p.total));

@@ -175,6 +175,11 @@ impl SparseVolume {
         self.occupied().bricks()
     }
 
+    /// The bits of all bricks of surface cells, with their places.
+    pub(crate) fn surface_bricks(&self) -> impl Iterator<Item = (UVec3, &Mask)> {
+        self.surface.bricks()
+    }
+
     /// All channels.
     pub fn channels(&self) -> &[ChannelData] {
         &self.channels
