@@ -89,7 +89,7 @@ fn data_format_descriptor(format: Format, components: u32) -> Vec<u8> {
             Format::U8 => (0, 0, 255),
             Format::F16 | Format::F32 => (0xc0, (-1f32).to_bits(), 1f32.to_bits()),
         };
-        words.extend([component * bits | (bits - 1) << 16 | (id | qualifiers) << 24, 0, low, high]);
+        words.extend([(component * bits) | ((bits - 1) << 16) | ((id | qualifiers) << 24), 0, low, high]);
     }
     words.into_iter().flat_map(u32::to_le_bytes).collect()
 }
