@@ -5,6 +5,7 @@ use std::time::Instant;
 use lumivox_core::TriangleView;
 use lumivox_voxels::{Channel, Coverage, Model, VoxelizeOptions, voxelize};
 
+#[expect(clippy::print_stdout, reason = "its output")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
     let path = args.next().ok_or("which mesh?")?;
