@@ -8,23 +8,90 @@ use lumivox_scene::{Camera, Scene};
 
 /// Cells a side of the volume that candidates are judged in.
 const GRID: u32 = 48;
+/// The name of cameras that look at a scene from outside, and their vertical angle in degrees.
+const OUTSIDE: &str = "outside";
+const OUTSIDE_FOV: f32 = 40.0;
 /// Rays per candidate.
 const RAYS: [u32; 2] = [64, 36];
 
+/// A scene of which this share can be seen from outside is looked at from outside, one of less than the second from inside.
+/// Between them the number of cells seen decides.
+const SHARES_SEEN: [f32; 2] = [0.6, 0.35];
+
 /// The candidate that sees the most surface, its right side first.
 pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
-    let grid = Grid::fit_with_margin(bounds, GRID).ok()?;
-    let cells = lumivox_render::triangles::voxelize(&[scene], &grid).normal;
-    let scored = candidates(bounds).into_iter().map(|c| (score(&c, &grid, &cells), c));
+    let (grid, cells) = cells(scene, bounds)?;
+    let share = share_seen_from_outside(&grid, &cells);
+    let fits = |c: &Camera| match c.name.as_str() {
+        OUTSIDE => share >= SHARES_SEEN[1],
+        _ => share < SHARES_SEEN[0],
+    };
+    let scored = candidates(bounds).into_iter().filter(fits).map(|c| (score(&c, &grid, &cells), c));
     scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, camera)| camera)
+}
+
+/// How a point stands in a scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surroundings {
+    /// The share of all directions in which nothing is in the way.
+    pub(crate) openness: f32,
+    /// Mean distance of what is in the way, in metres.
+    pub(crate) distance: f32,
+}
+
+/// What there is around an eye.
+pub(crate) fn surroundings(scene: &Scene, bounds: &Bounds, eye: Vec3) -> Option<Surroundings> {
+    const DIRECTIONS: u32 = 600;
+    let (grid, cells) = cells(scene, bounds)?;
+    let hits: Vec<f32> = sphere(DIRECTIONS)
+        .filter_map(|direction| first_hit(eye, direction, &grid, &cells))
+        .map(|index| grid.center(grid.cell(index)).distance(eye))
+        .collect();
+    Some(Surroundings {
+        openness: 1.0 - hits.len() as f32 / DIRECTIONS as f32,
+        distance: hits.iter().sum::<f32>() / hits.len().max(1) as f32,
+    })
+}
+
+fn cells(scene: &Scene, bounds: &Bounds) -> Option<(Grid, Vec<Vec4>)> {
+    let grid = Grid::fit_with_margin(bounds, GRID).ok()?;
+    let normals = lumivox_render::triangles::voxelize(&[scene], &grid).normal;
+    Some((grid, normals))
+}
+
+/// Directions spread over the sphere.
+fn sphere(count: u32) -> impl Iterator<Item = Vec3> {
+    (0..count).map(move |n| {
+        let y = 1.0 - (2.0 * n as f32 + 1.0) / count as f32;
+        let (sin, cos) = (n as f32 * 2.399_963_2).sin_cos();
+        let radius = (1.0 - y * y).max(0.0).sqrt();
+        Vec3::new(radius * cos, y, radius * sin)
+    })
+}
+
+/// The share of occupied cells that parallel rays from 14 sides meet first.
+fn share_seen_from_outside(grid: &Grid, cells: &[Vec4]) -> f32 {
+    let occupied = cells.iter().filter(|c| c.w > 0.0).count();
+    let (center, reach) = (grid.bounds().center(), 0.5 * grid.bounds().size().length());
+    let rays = (2.0 * reach / grid.cell_size).ceil() as i32;
+    let mut seen = std::collections::HashSet::new();
+    for direction in sphere(14) {
+        let (right, up) = direction.any_orthonormal_pair();
+        for (x, y) in (0..rays).flat_map(|y| (0..rays).map(move |x| (x, y))) {
+            let at = (Vec2::new(x as f32, y as f32) + 0.5) * grid.cell_size - reach;
+            let start = center + at.x * right + at.y * up - reach * direction;
+            seen.extend(first_hit(start, direction, grid, cells));
+        }
+    }
+    seen.len() as f32 / occupied.max(1) as f32
 }
 
 /// Three-quarter views from outside, and views along the floor plan from inside at several places and heights.
 fn candidates(bounds: &Bounds) -> Vec<Camera> {
     let (center, size) = (bounds.center(), bounds.size());
-    let reach = size.length();
     let outside = [(0.6, 0.35, 1.0), (-0.6, 0.35, 1.0), (0.6, 0.35, -1.0)].map(|(x, y, z)| {
-        camera("outside", center + 1.15 * reach * Vec3::new(x, y, z).normalize_or_zero(), center, 45.0)
+        let backward = Vec3::new(x, y, z).normalize_or_zero();
+        camera(OUTSIDE, center + filling_distance(bounds, backward) * backward, center, OUTSIDE_FOV)
     });
     let (along, across) = if size.x > size.z { (Vec3::X, Vec3::Z) } else { (Vec3::Z, Vec3::X) };
     let mut cameras = outside.to_vec();
@@ -40,6 +107,19 @@ fn candidates(bounds: &Bounds) -> Vec<Camera> {
         }
     }
     cameras
+}
+
+/// How far from the middle of a box a camera must stand to fill nine tenths of a picture of 4:3 with it.
+fn filling_distance(bounds: &Bounds, backward: Vec3) -> f32 {
+    let right = Vec3::Y.cross(backward).normalize_or_zero();
+    let up = backward.cross(right);
+    let slope = 0.9 * (0.5 * OUTSIDE_FOV.to_radians()).tan();
+    let center = bounds.center();
+    let needed = |corner: &Vec3| {
+        let p = *corner - center;
+        (p.dot(up).abs() / slope).max(p.dot(right).abs() / (slope * 4.0 / 3.0)) + p.dot(backward)
+    };
+    bounds.corners().iter().map(needed).fold(0.0, f32::max)
 }
 
 fn camera(name: &str, eye: Vec3, target: Vec3, fov_y_deg: f32) -> Camera {

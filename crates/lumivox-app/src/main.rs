@@ -6,6 +6,7 @@ mod compare;
 mod demo;
 mod framing;
 mod info;
+mod lighting;
 mod motion;
 mod output;
 mod render;

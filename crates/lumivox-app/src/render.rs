@@ -1,17 +1,17 @@
 //! `lumivox render`: one settled picture, or a series.
 
 use anyhow::{Result, bail};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lumivox::light::LightSettings;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
-use lumivox_scene::{Camera, Light, Scene};
+use lumivox_scene::{Camera, Scene};
 
 use crate::args::{ExposureArg, RenderArgs, ShotArgs, Size};
 use crate::motion::Motion;
 use crate::output::{self, Format, Picture};
 use crate::stats::{self, AdapterStats, RenderStats, StageStats};
-use crate::{clock, info};
+use crate::{clock, info, lighting};
 
 /// Light has settled when this share of what was sent out is still under way.
 const SETTLED: f64 = 0.01;
@@ -42,6 +42,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let load_ms = clock::millis() - start;
     let motion = Motion::new(&scene, &args.shot, args.frames.is_some())?;
     let (_, camera) = motion.pose(&mut scene, args.shot.time);
+    lighting::light_scene(&mut scene, &args.shot, &camera);
 
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let settings = Settings {
@@ -111,14 +112,13 @@ pub(crate) fn check(shot: &ShotArgs) -> Result<()> {
     Ok(())
 }
 
-/// The scene with its lights, and a word about what was left out of it.
+/// The scene, and a word about what was left out of it.
 pub(crate) fn load(shot: &ShotArgs) -> Result<Scene> {
-    let mut scene = lumivox_scene::load(&shot.scene)?;
+    let scene = lumivox_scene::load(&shot.scene)?;
     stats::warn_of_import(&scene);
     if scene.triangle_count() == 0 {
         bail!("{}: there are no triangles to render", shot.scene);
     }
-    light_scene(&mut scene, shot);
     Ok(scene)
 }
 
@@ -138,7 +138,7 @@ pub(crate) fn settings(shot: &ShotArgs, size: Size, layer: Layer, still: bool) -
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
         layer,
         shadow_size: if still { 4096 } else { 2048 },
-        area_samples: if still { 256 } else { 64 },
+        area_samples: shot.light_samples.unwrap_or(if still { 256 } else { 64 }),
         area_maps: if still { 64 } else { 32 },
         ..Settings::default()
     }
@@ -233,21 +233,5 @@ pub(crate) fn progress(length: u64, what: &'static str) -> ProgressBar {
     match style {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
-    }
-}
-
-/// The lights of the command line, else the scene's, else a sun and a grey sky.
-fn light_scene(scene: &mut Scene, shot: &ShotArgs) {
-    if let Some(sun) = shot.sun {
-        scene.lights = vec![Light::Directional { direction: sun.direction, irradiance: sun.irradiance }];
-        scene.sky = Vec3::ZERO;
-        return;
-    }
-    let emits = scene.materials.iter().any(|m| m.emission.max_element() > 0.0);
-    if scene.lights.is_empty() && !emits && scene.sky == Vec3::ZERO {
-        eprintln!("lumivox: the scene has no light: a sun and a grey sky are added (--sun sets another)");
-        let direction = Vec3::new(0.35, -1.0, -0.45).normalize_or_zero();
-        scene.lights = vec![Light::Directional { direction, irradiance: Vec3::new(9.0, 8.4, 7.4) }];
-        scene.sky = Vec3::splat(0.4);
     }
 }

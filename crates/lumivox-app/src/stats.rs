@@ -84,9 +84,6 @@ pub(crate) fn warn_of_import(scene: &Scene) {
     for texture in &report.missing_textures {
         tracing::warn!("missing texture: {texture}");
     }
-    for extension in &report.ignored_extensions {
-        tracing::warn!("extension {extension} is not supported and was ignored");
-    }
     if report.dropped_vertices + report.dropped_triangles > 0 {
         let (v, t) = (report.dropped_vertices, report.dropped_triangles);
         tracing::warn!("{v} vertices and {t} triangles were dropped because they are not finite");

@@ -104,8 +104,13 @@ pub struct MaterialTextures {
 
 impl GpuScene {
     /// Uploads a scene, and `panels`, a second one that only lights see. Textures get a full chain of mip levels, averaged in
-    /// linear light.
-    pub fn new(gpu: &Gpu, scene: &Scene, panels: &Scene) -> Result<(Self, MaterialTextures), GpuError> {
+    /// linear light; without `filtered` only the finest is looked up.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        panels: &Scene,
+        filtered: bool,
+    ) -> Result<(Self, MaterialTextures), GpuError> {
         let mut geometry = Geometry::default();
         geometry.append(scene, true);
         geometry.append(panels, false);
@@ -115,7 +120,7 @@ impl GpuScene {
         for image in &scene.textures {
             textures.push(upload_texture(gpu, image)?);
         }
-        let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap)).collect();
+        let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap, filtered)).collect();
         let materials = scene.materials.iter().chain(&panels.materials);
         let materials = materials.map(|m| GpuMaterial::new(gpu, m, scene)).collect();
         let gpu_scene = Self {
@@ -250,7 +255,7 @@ const WRAPS: [[Wrap; 2]; 9] = {
     wraps
 };
 
-fn sampler(gpu: &Gpu, wrap: [Wrap; 2]) -> Sampler {
+fn sampler(gpu: &Gpu, wrap: [Wrap; 2], filtered: bool) -> Sampler {
     let mode = |wrap: Wrap| match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
@@ -266,7 +271,8 @@ fn sampler(gpu: &Gpu, wrap: [Wrap; 2]) -> Sampler {
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             // Floors seen at a grazing angle keep their tiles.
-            anisotropy_clamp: 8,
+            anisotropy_clamp: if filtered { 8 } else { 1 },
+            lod_max_clamp: if filtered { 32.0 } else { 0.0 },
             ..Default::default()
         },
     )

@@ -144,7 +144,7 @@ impl Pair {
                 c.low_frequency = Some(d.low_frequency);
                 c.flip = Some(d.flip);
                 c.noise = self.noise().and_then(Result::ok);
-                c.noise_is_low = c.noise.map(|noise| noise <= NOISE_SHARE * d.nrmse);
+                c.noise_is_low = c.noise.map(|noise| noise <= NOISE_SHARE * d.trimmed);
             }
             Err(reason) => c.note = Some(reason.to_string()),
         }
@@ -154,8 +154,8 @@ impl Pair {
     /// Whether more samples would tell nothing new.
     pub(crate) fn is_quiet(&self) -> bool {
         let Some(noise) = self.noise() else { return true };
-        match (noise, metrics::nrmse(&self.ours, &self.reference, &self.kept)) {
-            (Ok(noise), Ok(nrmse)) => noise <= NOISE_SHARE * nrmse,
+        match (noise, metrics::compare(&self.ours, &self.reference, &self.kept)) {
+            (Ok(noise), Ok(d)) => noise <= NOISE_SHARE * d.trimmed,
             // Black or empty: no number of samples gives it an error.
             (_, Err(_)) => true,
             (Err(_), _) => false,

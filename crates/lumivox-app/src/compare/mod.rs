@@ -23,7 +23,7 @@ use voxels::VoxelComparison;
 use crate::args::Size;
 use crate::motion::Motion;
 use crate::stats::{self, AdapterStats};
-use crate::{clock, info, output, render};
+use crate::{clock, info, lighting, output, render};
 
 /// Pictures are this large when neither the command line nor the reference says otherwise.
 const SIZE: Size = Size(480, 270);
@@ -40,6 +40,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let mut scene = render::load(&args.shot)?;
     let load_ms = clock::millis() - start;
     let (_, camera) = Motion::new(&scene, &args.shot, false)?.pose(&mut scene, args.shot.time);
+    lighting::light_scene(&mut scene, &args.shot, &camera);
     let oracle_scene = oracle_scene::oracle_scene(&scene);
     let oracle_camera = oracle_scene::oracle_camera(&camera);
 

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use glam::Vec3;
 use lumivox::gpu::Gpu;
 use lumivox_oracle::picture::Picture;
-use lumivox_render::{Layer, Renderer};
+use lumivox_render::{Layer, Renderer, Settings};
 use lumivox_scene::{Camera, Scene};
 
 use crate::args::{ShotArgs, Size};
@@ -43,7 +43,8 @@ pub(crate) fn render(
             size.1
         );
     }
-    let settings = render::settings(shot, fine, Layer::Direct, true);
+    // The path tracer looks textures up at a point.
+    let settings = Settings { filtered_textures: false, ..render::settings(shot, fine, Layer::Direct, true) };
     let mut renderer = Renderer::new(gpu, scene, settings)?;
     let mut work = Work::default();
     render::still(&mut renderer, shot.iterations, camera, Some(clock::millis), &mut work)?;

@@ -10,7 +10,7 @@ use lumivox_oracle::scene::{Camera, Scene};
 use lumivox_oracle::tracer::{self, PixelFilter, Rendering, Tracer};
 
 use super::args::CompareArgs;
-use crate::args::Size;
+use crate::args::{GiArg, Size};
 use crate::render;
 
 /// Noise is low when it is at most this share of the error it is to show.
@@ -102,6 +102,8 @@ pub(crate) fn trace(
         height: size.1,
         seed: args.seed,
         filter: if args.points_a_side() > 1 { PixelFilter::Box } else { PixelFilter::Center },
+        // Without indirect light of ours there is nothing to hold bounces against.
+        bounces: matches!(args.shot.gi, GiArg::Off).then_some(0),
         ..tracer::Settings::default()
     };
     let tracer = Tracer::new(scene)?;

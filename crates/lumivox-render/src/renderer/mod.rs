@@ -95,7 +95,7 @@ impl Renderer {
         let light = LightSettings { sky: scene.sky - sampled_sky, ..settings.light };
         indirect.update(gpu, &light);
         let panels = lights::panels(&scene.lights);
-        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels)?;
+        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
         let camera = camera_target(gpu, &settings)?;
         let [for_picture, for_volume] = light_samples(&settings, &scene.lights, sampled_sky);
         let injected = InjectedLights::new(gpu, &for_volume, &settings)?;

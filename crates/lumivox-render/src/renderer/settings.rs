@@ -59,6 +59,9 @@ pub struct Settings {
     pub rsm_size: u32,
     /// Injection points a side of a light's view. The camera injects every pixel up to this many a side.
     pub points: u32,
+    /// Whether textures are filtered over the area of a pixel (mip levels, anisotropic), as pictures need it; without, they are
+    /// looked up at a point, as a path tracer does, to compare with one.
+    pub filtered_textures: bool,
     /// What the picture shows.
     pub layer: Layer,
 }
@@ -78,6 +81,7 @@ impl Default for Settings {
             area_maps: 32,
             rsm_size: 512,
             points: 512,
+            filtered_textures: true,
             layer: Layer::Final,
         }
     }

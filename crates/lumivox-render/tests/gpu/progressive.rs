@@ -103,7 +103,7 @@ fn removed(gpu: &Gpu) -> Result<(), Failed> {
         let points = size.x * size.y;
         let scale = InjectionScale { attribute_points: points, light_points: points, radiance_max: 1.0 };
         target.update(gpu, scale);
-        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &Scene::default())?;
+        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &Scene::default(), true)?;
         let pass = SurfacePass::gbuffer(gpu, &gpu_scene, &textures)?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         pass.record(gpu, &mut encoder, &gpu_scene, None, &mut target)?;
