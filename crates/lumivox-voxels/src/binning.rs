@@ -63,7 +63,7 @@ impl Builder {
     }
 
     /// The number of a brick in this chunk. Triangles come in neighbourhoods, so that the last one is asked first.
-    #[inline]
+    #[inline(always)]
     fn number(&mut self, brick: IVec3) -> usize {
         if brick != self.last.0 {
             let new = self.bricks.len() as u32;

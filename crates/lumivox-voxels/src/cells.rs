@@ -25,13 +25,15 @@ pub(crate) struct Worker<'a> {
     sums: Accumulator<'a>,
     values: Vec<[f32; 4]>,
     fixed: Vec<[i64; 4]>,
+    /// Mesh and material of the values, if they are those of a whole triangle.
+    constants: Option<(usize, usize)>,
 }
 
 impl<'a> Worker<'a> {
     pub(crate) fn new(job: &'a Job<'a>) -> Self {
         let count = job.channels.len();
         let sums = Accumulator::new(job.channels);
-        Self { job, sums, values: vec![[0.0; 4]; count], fixed: vec![[0; 4]; count] }
+        Self { job, sums, values: vec![[0.0; 4]; count], fixed: vec![[0; 4]; count], constants: None }
     }
 
     /// Marks the cells of a brick in `mask` and appends the values of all that are marked.
@@ -106,15 +108,28 @@ impl<'a> Worker<'a> {
         let job = self.job;
         let Some(reach) = job.reach(mesh, number) else { return };
         let triangle = job.triangle(mesh, number, reach.cells());
-        let face = Face::new(job, mesh, number, &triangle);
+        let normal = triangle.normal();
+        let length = normal.length();
+        let face = Face::new(job, mesh, number, normal, length);
         let nothing = Piece { area: 0.0, point: glam::DVec3::ZERO };
         if !face.varies {
-            face.shade(job, &triangle, &nothing, &mut self.values, &mut self.fixed);
+            if self.constants == Some(face.constants()) {
+                face.shade_normals(job.channels, &mut self.values, &mut self.fixed);
+            } else {
+                face.shade(job, &triangle, &nothing, &mut self.values, &mut self.fixed);
+                self.constants = Some(face.constants());
+            }
+        } else {
+            self.constants = None;
         }
+        let needs_point = face.varies || job.parts.point;
         coverage::walk(job.coverage, &triangle, cells, &mut |cell: IVec3| {
             let piece = match job.coverage {
                 Coverage::Sampled => coverage::sample(&triangle, cell),
-                _ if face.varies || job.parts.area || job.parts.point => fragment::in_cell(&triangle, cell),
+                _ if needs_point => fragment::in_cell(&triangle, cell),
+                _ if job.parts.area => {
+                    Piece { area: fragment::area_in_cell(&triangle, 0.5 * length, cell), ..nothing }
+                }
                 _ => nothing,
             };
             if face.varies && !face.shade(job, &triangle, &piece, &mut self.values, &mut self.fixed) {
@@ -126,7 +141,11 @@ impl<'a> Worker<'a> {
             self.sums.add(&Fragment {
                 cell: (64 * local.z + bit) as usize,
                 area: piece.area,
-                distance: piece.point.distance_squared(cell.as_dvec3() + 0.5) as f32,
+                distance: if needs_point {
+                    piece.point.distance_squared(cell.as_dvec3() + 0.5) as f32
+                } else {
+                    0.0
+                },
                 values: &self.values,
                 fixed: &self.fixed,
             });

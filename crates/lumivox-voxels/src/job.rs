@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use crate::channels::Parts;
 use crate::coverage::{CellBox, Triangle, cell_of, onto_rim};
 use crate::options::{Progress, Stage, VoxelizeOptions};
-use crate::{Channel, Coverage, Model, VoxelizeError};
+use crate::surface::{Asked, Placed};
+use crate::{Channel, Coverage, Material, Model, VoxelizeError};
 
 /// Triangles of one mesh that are binned together.
 #[derive(Clone, Debug)]
@@ -95,6 +96,11 @@ pub(crate) struct Job<'a> {
     pub(crate) parts: Parts,
     /// Whether there is more to do than to mark cells.
     pub(crate) needs_fragments: bool,
+    pub(crate) asked: Asked,
+    /// Of each mesh.
+    pub(crate) placed: Vec<Placed>,
+    /// The material of triangles that name none.
+    pub(crate) plain: Material<'a>,
     placements: Vec<Placement>,
     /// The cell of each vertex of each mesh: vertices have more triangles than one, and most of those need no more.
     vertex_cells: Vec<Vec<PackedCell>>,
@@ -138,6 +144,9 @@ impl<'a> Job<'a> {
             grid,
             parts,
             needs_fragments: is_masked || !options.channels.is_empty(),
+            asked: Asked::new(&options.channels),
+            placed: model.meshes.iter().map(Placed::new).collect(),
+            plain: Material::default(),
             placements: model
                 .meshes
                 .iter()
@@ -192,7 +201,7 @@ impl<'a> Job<'a> {
     }
 
     /// A vertex in units of cells.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corner(&self, mesh: usize, position: &[f32; 3]) -> DVec3 {
         let corner = self.placements[mesh].apply(DVec3::from_array(position.map(f64::from)));
         if self.snap > 0.0 {
@@ -220,7 +229,7 @@ impl<'a> Job<'a> {
     }
 
     /// A triangle in units of cells, of which [`Self::reach`] knows the reach.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn triangle(&self, mesh: usize, number: u32, reach: CellBox) -> Triangle {
         let view = &self.model.meshes[mesh].triangles;
         let [a, b, c] = view.indices[number as usize];
@@ -231,11 +240,6 @@ impl<'a> Job<'a> {
     /// A point in cells, in the world.
     pub(crate) fn world_from_grid(&self, point: DVec3) -> DVec3 {
         self.grid.origin.as_dvec3() + f64::from(self.grid.cell_size) * point
-    }
-
-    /// Whether the mesh is mirrored where it stands, so that its triangles turn the other way.
-    pub(crate) fn is_mirrored(&self, mesh: usize) -> bool {
-        self.model.meshes[mesh].world_from_local.determinant() < 0.0
     }
 
     /// Tells about progress.

@@ -7,49 +7,103 @@ use crate::coverage::Triangle;
 use crate::fragment::{Piece, barycentric};
 use crate::job::Job;
 use crate::model::{Material, MaterialOf};
-use crate::{MeshView, SurfacePoint};
+use crate::{Channel, MeshView, SurfacePoint};
+
+/// What all triangles of a mesh share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// -1 where the mesh is mirrored, so that its triangles turn the other way.
+    side: f32,
+    normal_from_local: Mat3,
+}
+
+impl Placed {
+    pub(crate) fn new(view: &MeshView<'_>) -> Self {
+        let side = if view.world_from_local.determinant() < 0.0 { -1.0 } else { 1.0 };
+        Self { side, normal_from_local: normal_from_local(view) }
+    }
+}
+
+/// Which surface attributes the channels ask for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    albedo: bool,
+    normal: bool,
+    emission: bool,
+    /// Everything, at its place.
+    own: bool,
+}
+
+impl Asked {
+    pub(crate) fn new(channels: &[Channel]) -> Self {
+        let any = |is: fn(&Source) -> bool| channels.iter().any(|channel| is(&channel.source));
+        Self {
+            albedo: any(|s| matches!(s, Source::Albedo)),
+            normal: any(|s| matches!(s, Source::Normal)),
+            emission: any(|s| matches!(s, Source::Emission)),
+            own: any(|s| matches!(s, Source::Custom(_) | Source::Area)),
+        }
+    }
+}
 
 /// A triangle about to be shaded.
 pub(crate) struct Face<'a> {
     mesh: usize,
     number: u32,
     view: &'a MeshView<'a>,
-    indices: [usize; 3],
+    placed: &'a Placed,
     material_number: usize,
-    material: Material<'a>,
+    material: &'a Material<'a>,
     normal: Vec3,
-    normal_from_local: Mat3,
     /// Whether its values or its outline depend on where one looks.
     pub(crate) varies: bool,
 }
 
 impl<'a> Face<'a> {
-    pub(crate) fn new(job: &'a Job<'a>, mesh: usize, number: u32, triangle: &Triangle) -> Self {
+    /// `normal` has the triangle's direction, and `length` is its length.
+    #[inline]
+    pub(crate) fn new(job: &'a Job<'a>, mesh: usize, number: u32, normal: DVec3, length: f64) -> Self {
         let view = &job.model.meshes[mesh];
-        let indices = view.triangles.indices[number as usize].map(|i| i as usize);
         let material_number = match view.material {
             MaterialOf::Mesh(material) => material,
             MaterialOf::Triangle(numbers) => numbers[number as usize] as usize,
         };
-        let material = job.model.materials.get(material_number).copied().unwrap_or_default();
-        let side = if job.is_mirrored(mesh) { -1.0 } else { 1.0 };
-        let is_asked = |source: fn(&Source) -> bool| job.channels.iter().any(|c| source(&c.source));
-        let varies = material.alpha_cutoff.is_some()
-            || is_asked(|s| matches!(s, Source::Custom(_) | Source::Area))
-            || (is_asked(|s| matches!(s, Source::Albedo))
-                && (view.colors.is_some() || material.base_color_texture.is_some()))
-            || (is_asked(|s| matches!(s, Source::Emission)) && material.emission_texture.is_some())
-            || (is_asked(|s| matches!(s, Source::Normal)) && view.normals.is_some());
-        Self {
-            mesh,
-            number,
-            view,
-            indices,
-            material_number,
-            material,
-            normal: side * unit(triangle.normal()),
-            normal_from_local: if view.normals.is_some() { normal_from_local(view) } else { Mat3::IDENTITY },
-            varies,
+        let material = job.model.materials.get(material_number).unwrap_or(&job.plain);
+        let placed = &job.placed[mesh];
+        let asked = &job.asked;
+        let varies = asked.own
+            || material.alpha_cutoff.is_some()
+            || (asked.albedo && (view.colors.is_some() || material.base_color_texture.is_some()))
+            || (asked.emission && material.emission_texture.is_some())
+            || (asked.normal && view.normals.is_some());
+        let needs_normal = asked.normal || asked.own;
+        let normal = match needs_normal {
+            true if length > 1e-100 => (normal * (1.0 / length)).as_vec3(),
+            true => unit(normal),
+            false => Vec3::ZERO,
+        };
+        let normal = placed.side * normal;
+        Self { mesh, number, view, placed, material_number, material, normal, varies }
+    }
+
+    /// What values that do not vary depend on, beside the normal.
+    pub(crate) fn constants(&self) -> (usize, usize) {
+        (self.mesh, self.material_number)
+    }
+
+    /// Fills in the values of channels of normals, for a triangle whose other values are there already.
+    #[inline]
+    pub(crate) fn shade_normals(
+        &self,
+        channels: &[Channel],
+        values: &mut [[f32; 4]],
+        fixed_values: &mut [[i64; 4]],
+    ) {
+        for ((channel, values), fixed_values) in channels.iter().zip(values).zip(fixed_values) {
+            if let Source::Normal = channel.source {
+                *values = self.normal.extend(0.0).to_array();
+                *fixed_values = fixed(*values, channel.components);
+            }
         }
     }
 
@@ -90,23 +144,25 @@ impl<'a> Face<'a> {
                 Source::Area => [point.area, 0.0, 0.0, 0.0],
                 Source::Custom(function) => function(&point),
             };
-            *fixed_values = fixed(*values);
+            *fixed_values = fixed(*values, channel.components);
         }
         true
     }
 
     fn point(&self, job: &Job<'_>, triangle: &Triangle, piece: &Piece) -> SurfacePoint {
         let side = f64::from(job.grid.cell_size);
+        let indices = self.view.triangles.indices[self.number as usize].map(|i| i as usize);
         let weights = barycentric(triangle, piece.point).as_vec3();
-        let uv = self.view.uvs.map_or(Vec2::ZERO, |uvs| {
-            (0..3).map(|i| weights[i] * Vec2::from_array(uvs[self.indices[i]])).sum()
-        });
+        let uv = self
+            .view
+            .uvs
+            .map_or(Vec2::ZERO, |uvs| (0..3).map(|i| weights[i] * Vec2::from_array(uvs[indices[i]])).sum());
         let vertex_color = self.view.colors.map_or(Vec4::ONE, |colors| {
-            (0..3).map(|i| weights[i] * Vec4::from_array(colors[self.indices[i]])).sum()
+            (0..3).map(|i| weights[i] * Vec4::from_array(colors[indices[i]])).sum()
         });
         let normal = self.view.normals.map_or(self.normal, |normals| {
-            let local: Vec3 = (0..3).map(|i| weights[i] * Vec3::from_array(normals[self.indices[i]])).sum();
-            unit((self.normal_from_local * local).as_dvec3())
+            let local: Vec3 = (0..3).map(|i| weights[i] * Vec3::from_array(normals[indices[i]])).sum();
+            unit((self.placed.normal_from_local * local).as_dvec3())
         });
         let texel = |texture: Option<&crate::TextureFn<'_>>| texture.map_or(Vec4::ONE, |texture| texture(uv));
         SurfacePoint {

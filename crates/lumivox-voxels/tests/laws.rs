@@ -121,7 +121,8 @@ fn lists_that_fit_only_slab_by_slab_change_nothing() {
     let once = binned.swap(0, Ordering::Relaxed);
     options.memory_limit = 120_000;
     assert_same_bits(&all_at_once, &voxelize(&model, &options).unwrap());
-    assert!(binned.load(Ordering::Relaxed) >= 3 * once, "was it split at all?");
+    // Two halves at least, and what was given up.
+    assert!(binned.load(Ordering::Relaxed) > 2 * once, "was it split at all?");
     options.memory_limit = 20_000;
     let error = voxelize(&model, &options).unwrap_err();
     assert!(matches!(error, VoxelizeError::TooLarge { limit: 20_000, .. }), "{error}");

@@ -76,24 +76,35 @@ fn round(mesh: &Mesh, n: u32) -> Result<(), Failure> {
     add("lumivox thin", Box::new(ours(Coverage::Thin, vec![])));
     add("lumivox sampled", Box::new(ours(Coverage::Sampled, vec![])));
     add("dense bits, f32, one thread", Box::new(|| dense::voxelize(&corner, &mesh.indices, grid.dims)));
-    add("dda-voxelize (not conservative)", Box::new(|| {
-        let mut voxelizer = dda_voxelize::DdaVoxelizer::<()>::new();
-        for t in &mesh.indices {
-            voxelizer.add_triangle(&t.map(|i| center[i as usize]), &|_: Option<&()>, _, _| ());
-        }
-        black_box(voxelizer.finalize()).len()
-    }));
-    add("meshvox", Box::new(|| {
-        black_box(meshvox::voxelize::Voxels::<f32>::voxelize(&corner, &flat, 1.0)).grid_positions.len()
-    }));
-    add("parry3d", Box::new(|| {
-        use parry3d::transformation::voxelization::{FillMode, VoxelSet};
-        black_box(VoxelSet::with_voxel_size(&points, &mesh.indices, 1.0, FillMode::SurfaceOnly, false))
-            .voxels()
-            .len()
-    }));
+    add(
+        "dda-voxelize (not conservative)",
+        Box::new(|| {
+            let mut voxelizer = dda_voxelize::DdaVoxelizer::<()>::new();
+            for t in &mesh.indices {
+                voxelizer.add_triangle(&t.map(|i| center[i as usize]), &|_: Option<&()>, _, _| ());
+            }
+            black_box(voxelizer.finalize()).len()
+        }),
+    );
+    add(
+        "meshvox",
+        Box::new(|| {
+            black_box(meshvox::voxelize::Voxels::<f32>::voxelize(&corner, &flat, 1.0)).grid_positions.len()
+        }),
+    );
+    add(
+        "parry3d",
+        Box::new(|| {
+            use parry3d::transformation::voxelization::{FillMode, VoxelSet};
+            black_box(VoxelSet::with_voxel_size(&points, &mesh.indices, 1.0, FillMode::SurfaceOnly, false))
+                .voxels()
+                .len()
+        }),
+    );
     if let Ok(only) = std::env::var("ONLY") {
-        entries.retain(|entry: &Entry<'_>| entry.name == only || only.starts_with("~") && entry.name.contains(&only[1..]));
+        entries.retain(|entry: &Entry<'_>| {
+            entry.name == only || only.starts_with("~") && entry.name.contains(&only[1..])
+        });
     }
     let started = Instant::now();
     for turn in 0..16 {

@@ -52,10 +52,15 @@ pub(crate) struct Fragment<'a> {
     pub(crate) fixed: &'a [[i64; 4]],
 }
 
-/// Values in fixed point.
-pub(crate) fn fixed(values: [f32; 4]) -> [i64; 4] {
-    // `as` takes NaN to zero.
-    values.map(|v| (f64::from(v).clamp(-VALUE_LIMIT, VALUE_LIMIT) * VALUE_STEPS) as i64)
+/// The first components in fixed point.
+#[inline]
+pub(crate) fn fixed(values: [f32; 4], components: usize) -> [i64; 4] {
+    let mut fixed = [0; 4];
+    for (fixed, &value) in fixed.iter_mut().zip(&values).take(components) {
+        // `as` takes NaN to zero.
+        *fixed = (f64::from(value).clamp(-VALUE_LIMIT, VALUE_LIMIT) * VALUE_STEPS) as i64;
+    }
+    fixed
 }
 
 /// The sums of one channel.
@@ -207,7 +212,7 @@ mod tests {
 
     fn add(sums: &mut Accumulator<'_>, cell: usize, area: f64, distance: f32, value: [f32; 2]) {
         let values = [[value[0], value[1], 0.0, 0.0]; 4];
-        sums.add(&Fragment { cell, area, distance, values: &values, fixed: &values.map(fixed) });
+        sums.add(&Fragment { cell, area, distance, values: &values, fixed: &values.map(|v| fixed(v, 2)) });
     }
 
     fn results(sums: &mut Accumulator<'_>, cell: usize) -> Vec<[f32; 2]> {
