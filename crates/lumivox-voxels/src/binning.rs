@@ -66,17 +66,23 @@ impl Builder {
     #[inline(always)]
     fn number(&mut self, brick: IVec3) -> usize {
         if brick != self.last.0 {
-            let new = self.bricks.len() as u32;
-            let place = brick.as_uvec3();
-            let number = self.directory.get_or_insert(place, new);
-            if number == new {
-                self.bricks.push(brick_index(self.along, place));
-                self.masks.push([0; SIDE as usize]);
-                self.counts.push(0);
-            }
-            self.last = (brick, number);
+            self.seek(brick);
         }
         self.last.1 as usize
+    }
+
+    /// Not inlined: there are many places where cells are marked, and their code has to stay near.
+    #[inline(never)]
+    fn seek(&mut self, brick: IVec3) {
+        let new = self.bricks.len() as u32;
+        let place = brick.as_uvec3();
+        let number = self.directory.get_or_insert(place, new);
+        if number == new {
+            self.bricks.push(brick_index(self.along, place));
+            self.masks.push([0; SIDE as usize]);
+            self.counts.push(0);
+        }
+        self.last = (brick, number);
     }
 
     #[inline]

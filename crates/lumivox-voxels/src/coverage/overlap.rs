@@ -6,7 +6,7 @@
 //!
 //! - Along the axis `d` that the triangle faces most, the three lines of that projection bound each row of columns.
 //! - In a column the plane leaves an interval of cells, mostly one or two.
-//! - Only those are asked about the six other lines.
+//! - Only where there is more than one, or for `thin`, those are asked about the six other lines.
 //!
 //! Small triangles of the exact set need less. In one cell, or cells in one line, all are touched. In one layer of cells
 //! three lines decide.
@@ -17,6 +17,9 @@ use super::triangle::{CellBox, Triangle, ceil, dominant, floor};
 
 /// Cells count as larger by this, relative to their size, so that closed tests stay closed under rounding.
 const SLACK: f64 = 1e-9;
+
+/// Rows shorter than this are asked column by column, which takes less than the divisions for their ends.
+const NARROW: i32 = 8;
 
 /// How far from its centre a cell counts.
 pub(crate) trait Reach {
@@ -169,16 +172,33 @@ fn volume<R: Reach, const D: usize>(
 ) {
     let (p, q) = ((D + 1) % 3, (D + 2) % 3);
     let bounds = Lines::new::<R>(triangle, normal[D], p, q);
-    let along_p = Lines::new::<R>(triangle, normal[p], q, D);
-    let along_q = Lines::new::<R>(triangle, normal[q], D, p);
     let plane = Plane::new::<R, D>(triangle, normal);
+    let (lowest, highest) = (triangle.reach.low[D], triangle.reach.high[D]);
+    let mut sides = None;
+    let is_narrow = high[p] - low[p] < NARROW;
     for j in low[q]..=high[q] {
-        let (first, last) = bounds.row(f64::from(j), low[p], high[p]);
+        let y = f64::from(j);
+        let (first, last) = if is_narrow { (low[p], high[p]) } else { bounds.row(y, low[p], high[p]) };
         for i in first..=last {
-            let (bottom, top) = plane.interval(f64::from(i), f64::from(j), low[D], high[D]);
-            for k in bottom..=top {
+            let x = f64::from(i);
+            if is_narrow && !bounds.pass(x, y) {
+                continue;
+            }
+            let (bottom, top) = plane.interval(x, y, lowest, highest);
+            if R::TOUCHES && bottom == top {
+                // The triangle is in this column, and can be nowhere else in it.
+                if low[D] <= bottom && bottom <= high[D] {
+                    mark(cell::<D>(bottom, i, j));
+                }
+                continue;
+            }
+            let (along_p, along_q) = sides.get_or_insert_with(|| {
+                let along_p = Lines::new::<R>(triangle, normal[p], q, D);
+                (along_p, Lines::new::<R>(triangle, normal[q], D, p))
+            });
+            for k in bottom.max(low[D])..=top.min(high[D]) {
                 let height = f64::from(k);
-                if along_p.pass(f64::from(j), height) && along_q.pass(height, f64::from(i)) {
+                if along_p.pass(y, height) && along_q.pass(height, x) {
                     mark(cell::<D>(k, i, j));
                 }
             }
