@@ -8,8 +8,8 @@
 //! - In a column the plane leaves an interval of cells, mostly one or two.
 //! - Only where there is more than one, or for `thin`, those are asked about the six other lines.
 //!
-//! Small triangles of the exact set need less. In one cell, or cells in one line, all are touched. In one layer of cells
-//! three lines decide.
+//! Boxes of up to 27 cells are simply asked cell by cell, the plane first. Small triangles of the exact set need less still:
+//! in one cell, or cells in one line, all are touched, and in one layer of cells three lines decide.
 
 use glam::{DVec3, IVec3};
 
@@ -20,6 +20,9 @@ const SLACK: f64 = 1e-9;
 
 /// Rows shorter than this are asked column by column, which takes less than the divisions for their ends.
 const NARROW: i32 = 8;
+
+/// Boxes of up to this many cells along each axis are asked cell by cell.
+const SMALL: i32 = 3;
 
 /// How far from its centre a cell counts.
 pub(crate) trait Reach {
@@ -59,6 +62,10 @@ pub(crate) fn walk<R: Reach>(triangle: &Triangle, within: &CellBox, mark: &mut i
         };
     }
     let normal = triangle.normal();
+    let extent = high - low + 1;
+    if extent.max_element() <= SMALL {
+        return block::<R>(triangle, normal, low, high, mark);
+    }
     match dominant(normal) {
         0 => volume::<R, 0>(triangle, normal, low, high, mark),
         1 => volume::<R, 1>(triangle, normal, low, high, mark),
@@ -138,6 +145,33 @@ fn cell<const D: usize>(d: i32, p: i32, q: i32) -> IVec3 {
         0 => IVec3::new(d, p, q),
         1 => IVec3::new(q, d, p),
         _ => IVec3::new(p, q, d),
+    }
+}
+
+/// A few cells in all directions: the plane, then all nine lines, for one after the other.
+#[inline]
+fn block<R: Reach>(
+    triangle: &Triangle,
+    normal: DVec3,
+    low: IVec3,
+    high: IVec3,
+    mark: &mut impl FnMut(IVec3),
+) {
+    let xy = Lines::new::<R>(triangle, normal.z, 0, 1);
+    let yz = Lines::new::<R>(triangle, normal.x, 1, 2);
+    let zx = Lines::new::<R>(triangle, normal.y, 2, 0);
+    let offset = normal.dot(triangle.corners[0] - 0.5);
+    let half = R::reach(normal.x, normal.y, normal.z) + SLACK * normal.abs().element_sum();
+    for k in low.z..=high.z {
+        for j in low.y..=high.y {
+            for i in low.x..=high.x {
+                let (x, y, z) = (f64::from(i), f64::from(j), f64::from(k));
+                let height = normal.x * x + normal.y * y + normal.z * z - offset;
+                if height.abs() <= half && xy.pass(x, y) & yz.pass(y, z) & zx.pass(z, x) {
+                    mark(IVec3::new(i, j, k));
+                }
+            }
+        }
     }
 }
 
