@@ -95,7 +95,7 @@ pub(crate) struct ShotArgs {
     #[arg(long, value_enum, default_value = "propagation")]
     pub(crate) gi: GiArg,
     /// Small lights that stand for the sky, each with a shadow map; a quarter as many stand for a rect light. More are smoother and
-    /// slower. 256 for stills and 64 for series unless said otherwise.
+    /// slower. Stills take 1024, fewer down to 256 for many triangles, and series 64 unless said otherwise.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=4096))]
     pub(crate) light_samples: Option<u32>,
     /// Propagation steps per frame. A still goes on until its light has settled.

@@ -47,7 +47,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let settings = Settings {
         clip: motion.clip().filter(|_| args.frames.is_some()),
-        ..settings(&args.shot, args.size, args.layer.into(), args.frames.is_none())
+        ..settings(&args.shot, &scene, args.size, args.layer.into(), args.frames.is_none())
     };
     let mut renderer = Renderer::new(&gpu, &scene, settings)?;
     let mut work = Work::default();
@@ -122,7 +122,7 @@ pub(crate) fn load(shot: &ShotArgs) -> Result<Scene> {
     Ok(scene)
 }
 
-pub(crate) fn settings(shot: &ShotArgs, size: Size, layer: Layer, still: bool) -> Settings {
+pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer, still: bool) -> Settings {
     let source = match shot.voxelizer {
         Some(voxelizer) => voxelizer.into(),
         None if still => VoxelSource::Triangles,
@@ -138,10 +138,17 @@ pub(crate) fn settings(shot: &ShotArgs, size: Size, layer: Layer, still: bool) -
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
         layer,
         shadow_size: if still { 4096 } else { 2048 },
-        area_samples: shot.light_samples.unwrap_or(if still { 256 } else { 64 }),
+        area_samples: shot.light_samples.unwrap_or_else(|| light_samples(scene, still)),
         area_maps: if still { 64 } else { 32 },
         ..Settings::default()
     }
+}
+
+/// Samples of the sky. A still has time for so many that streaks of sky light through windows are gone, unless there are many
+/// triangles: a sample draws them all.
+fn light_samples(scene: &Scene, still: bool) -> u32 {
+    const TRIANGLES_DRAWN: u64 = 60_000_000;
+    if still { (TRIANGLES_DRAWN / scene.triangle_count().max(1)).clamp(256, 1024) as u32 } else { 64 }
 }
 
 /// One frame, then propagation, `iterations` steps at a time, until its light has settled.

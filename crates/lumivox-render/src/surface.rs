@@ -3,7 +3,7 @@
 //! | target | format | G-buffer | reflective shadow map |
 //! | --- | --- | --- | --- |
 //! | normal | `Rgba16Float` | facing the camera | facing the light |
-//! | albedo | `Rgba8UnormSrgb` | yes | yes |
+//! | albedo | `Rgba16Float` | yes | yes |
 //! | emission | `Rgba16Float` | yes | yes |
 //! | radiance | `Rgba32Float`, `Rgba16Float` | by [`crate::direct`] | what the surface reflects of this light |
 //! | depth | `Depth32Float` | yes | yes; also the shadow map |
@@ -43,8 +43,8 @@ pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 pub const HDR_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 /// Format of the camera's radiance, a sum over hundreds of samples of area lights.
 pub const RADIANCE_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
-/// Format of albedo: eight bits spaced as the eye sees.
-pub const ALBEDO_FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+/// Format of albedo. Eight bits of sRGB would be as large a target on core WebGPU, and off by some percent in dark colours.
+pub const ALBEDO_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 
 /// Targets of `size` texels; `radiance` is the format of the light they hold.
 pub fn targets(

@@ -44,7 +44,8 @@ pub(crate) fn render(
         );
     }
     // The path tracer looks textures up at a point.
-    let settings = Settings { filtered_textures: false, ..render::settings(shot, fine, Layer::Direct, true) };
+    let settings =
+        Settings { filtered_textures: false, ..render::settings(shot, scene, fine, Layer::Direct, true) };
     let mut renderer = Renderer::new(gpu, scene, settings)?;
     let mut work = Work::default();
     render::still(&mut renderer, shot.iterations, camera, Some(clock::millis), &mut work)?;

@@ -23,7 +23,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("lights add up in the volume", lights_in_the_volume),
 ];
 
-/// What the albedo target's eight bits hold exactly: sRGB 188.
+/// sRGB 188.
 const ALBEDO: f32 = 0.5028865;
 const PLANE_SIDE: f32 = 4.0;
 const SHADE: (Vec3, f32) = (Vec3::new(0.1, 0.8, 0.0), 0.9);

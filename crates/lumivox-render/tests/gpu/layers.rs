@@ -104,7 +104,7 @@ fn albedo(gpu: &Gpu) -> Result<(), Failed> {
         let expected = base_color.truncate() * Vec3::new(vertex, 1.0, vertex);
         for pixel in picture {
             for (seen, expected) in pixel.to_array().into_iter().zip(expected.to_array()) {
-                // One step of the eight bits of vertex colours and of the albedo target, half a step each.
+                // One step of the eight bits of vertex colours.
                 let error = (srgb(seen) - srgb(expected)).abs();
                 assert!(error < 1.01 / 255.0, "{seen} instead of {expected}");
             }

@@ -17,7 +17,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a blended surface is solid from one half on", blended),
 ];
 
-/// Albedos that the albedo target's eight bits hold exactly: sRGB 124 and 231.
+/// Albedos of sRGB 124 and 231.
 const FLOOR: f32 = 0.2015563;
 const LEAF: f32 = 0.7991027;
 /// Half a texel of the mask, where it may end a little to either side.
