@@ -17,6 +17,8 @@ const RAYS: [u32; 2] = [64, 36];
 /// A scene of which this share can be seen from outside is looked at from outside, one of less than the second from inside.
 /// Between them the number of cells seen decides.
 const SHARES_SEEN: [f32; 2] = [0.6, 0.35];
+/// Inside is where less than this share of all directions leads out of the scene.
+const ENCLOSED: f32 = 0.4;
 
 /// The candidate that sees the most surface, its right side first.
 pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
@@ -24,9 +26,17 @@ pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
     let share = share_seen_from_outside(&grid, &cells);
     let fits = |c: &Camera| match c.name.as_str() {
         OUTSIDE => share >= SHARES_SEEN[1],
-        _ => share < SHARES_SEEN[0],
+        _ => share < SHARES_SEEN[0] && surroundings_in(&grid, &cells, c.eye, 100).openness < ENCLOSED,
     };
-    let scored = candidates(bounds).into_iter().filter(fits).map(|c| (score(&c, &grid, &cells), c));
+    // An open tangle, such as a tree, can neither be entered nor seen whole.
+    let candidates = candidates(bounds);
+    let fitting: Vec<Camera> = candidates.iter().filter(|c| fits(c)).cloned().collect();
+    let candidates = if fitting.is_empty() {
+        candidates.into_iter().filter(|c| c.name == OUTSIDE).collect()
+    } else {
+        fitting
+    };
+    let scored = candidates.into_iter().map(|c| (score(&c, &grid, &cells), c));
     scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, camera)| camera)
 }
 
@@ -41,16 +51,19 @@ pub(crate) struct Surroundings {
 
 /// What there is around an eye.
 pub(crate) fn surroundings(scene: &Scene, bounds: &Bounds, eye: Vec3) -> Option<Surroundings> {
-    const DIRECTIONS: u32 = 600;
     let (grid, cells) = cells(scene, bounds)?;
-    let hits: Vec<f32> = sphere(DIRECTIONS)
-        .filter_map(|direction| first_hit(eye, direction, &grid, &cells))
+    Some(surroundings_in(&grid, &cells, eye, 600))
+}
+
+fn surroundings_in(grid: &Grid, cells: &[Vec4], eye: Vec3, directions: u32) -> Surroundings {
+    let hits: Vec<f32> = sphere(directions)
+        .filter_map(|direction| first_hit(eye, direction, grid, cells))
         .map(|index| grid.center(grid.cell(index)).distance(eye))
         .collect();
-    Some(Surroundings {
-        openness: 1.0 - hits.len() as f32 / DIRECTIONS as f32,
+    Surroundings {
+        openness: 1.0 - hits.len() as f32 / directions as f32,
         distance: hits.iter().sum::<f32>() / hits.len().max(1) as f32,
-    })
+    }
 }
 
 fn cells(scene: &Scene, bounds: &Bounds) -> Option<(Grid, Vec<Vec4>)> {
