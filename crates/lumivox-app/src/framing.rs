@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4};
-use lumivox::core::{Bounds, Grid, View};
+use lumivox::core::{Bounds, Grid, GridError, View};
 use lumivox_scene::{Camera, Scene};
 
 /// Cells a side of the volume that candidates are judged in.
@@ -19,7 +19,7 @@ const RAYS: [u32; 2] = [64, 36];
 const SHARES_SEEN: [f32; 2] = [0.6, 0.35];
 
 /// The candidate that sees the most surface, its right side first.
-pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
+pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Result<Camera, GridError> {
     let (grid, cells) = cells(scene, bounds)?;
     let share = share_seen_from_outside(&grid, &cells);
     let fits = |c: &Camera| match c.name.as_str() {
@@ -27,7 +27,8 @@ pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
         _ => share < SHARES_SEEN[0],
     };
     let scored = candidates(bounds).into_iter().filter(fits).map(|c| (score(&c, &grid, &cells), c));
-    scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, camera)| camera)
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, camera)| camera).ok_or(GridError::BadBounds(*bounds))
 }
 
 /// How a point stands in a scene.
@@ -42,7 +43,7 @@ pub(crate) struct Surroundings {
 /// What there is around an eye.
 pub(crate) fn surroundings(scene: &Scene, bounds: &Bounds, eye: Vec3) -> Option<Surroundings> {
     const DIRECTIONS: u32 = 600;
-    let (grid, cells) = cells(scene, bounds)?;
+    let (grid, cells) = cells(scene, bounds).ok()?;
     let hits: Vec<f32> = sphere(DIRECTIONS)
         .filter_map(|direction| first_hit(eye, direction, &grid, &cells))
         .map(|index| grid.center(grid.cell(index)).distance(eye))
@@ -53,10 +54,10 @@ pub(crate) fn surroundings(scene: &Scene, bounds: &Bounds, eye: Vec3) -> Option<
     })
 }
 
-fn cells(scene: &Scene, bounds: &Bounds) -> Option<(Grid, Vec<Vec4>)> {
-    let grid = Grid::fit_with_margin(bounds, GRID).ok()?;
+fn cells(scene: &Scene, bounds: &Bounds) -> Result<(Grid, Vec<Vec4>), GridError> {
+    let grid = Grid::fit_with_margin(bounds, GRID)?;
     let normals = lumivox_render::triangles::voxelize(&[scene], &grid).normal;
-    Some((grid, normals))
+    Ok((grid, normals))
 }
 
 /// Directions spread over the sphere.

@@ -11,33 +11,44 @@ use crate::support::{Folder, PROGRAM, glb};
 /// On a busy machine; by itself it takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-fn start(folder: &Folder, line: &str) -> Child {
+/// A run of the program, ended with the test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn start(folder: &Folder, line: &str) -> Running {
     let mut command = folder.command(PROGRAM);
-    command.args(line.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    let command = command.args(line.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::piped());
+    Running(command.spawn().unwrap())
 }
 
 /// Waits until a file of the folder is what `wanted` says.
-fn wait_for(folder: &Folder, child: &mut Child, wanted: impl Fn(&str) -> bool) {
+fn wait_for(folder: &Folder, child: &mut Running, wanted: impl Fn(&str) -> bool) {
     let start = Instant::now();
     while !folder.files().iter().any(|f| wanted(f)) {
-        assert!(child.try_wait().unwrap().is_none(), "ended before it could be interrupted");
+        assert!(child.0.try_wait().unwrap().is_none(), "ended before it could be interrupted");
         assert!(start.elapsed() < Duration::from_secs(120), "nothing was written");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
 
 /// Sends a signal; the program ends with this status and one sentence.
-fn interrupt(mut child: Child, signal: &str, status: i32) {
+fn interrupt(mut child: Running, signal: &str, status: i32) {
     let start = Instant::now();
-    let sent = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().unwrap();
+    let sent = Command::new("kill").args([format!("-{signal}"), child.0.id().to_string()]).status().unwrap();
     assert!(sent.success());
-    while child.try_wait().unwrap().is_none() {
+    while child.0.try_wait().unwrap().is_none() {
         assert!(start.elapsed() < PATIENCE, "it goes on after an interrupt");
         std::thread::sleep(Duration::from_millis(2));
     }
     let mut said = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(status), "{said}");
+    child.0.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(child.0.wait().unwrap().code(), Some(status), "{said}");
     assert!(said.starts_with("lumivox: interrupted") && said.lines().count() == 1, "{said}");
 }
 
@@ -82,10 +93,10 @@ pub(crate) fn unfinished() -> Result<(), Failed> {
     ] {
         let mut child = start(&folder, line);
         // That the scene has no light is told before any rendering.
-        let mut said = BufReader::with_capacity(1, child.stderr.take().unwrap());
+        let mut said = BufReader::with_capacity(1, child.0.stderr.take().unwrap());
         said.read_line(&mut String::new())?;
         std::thread::sleep(Duration::from_millis(300));
-        child.stderr = Some(said.into_inner());
+        child.0.stderr = Some(said.into_inner());
         interrupt(child, "INT", 130);
         assert_eq!(folder.files(), ["triangle.glb", "x.png"], "{line}");
         assert_eq!(std::fs::read(folder.join("x.png"))?, b"the old one");
