@@ -94,10 +94,9 @@ pub(crate) fn unusual_places() -> Result<(), Failed> {
 
 pub(crate) fn limits() -> Result<(), Failed> {
     let folder = Folder::new();
-    let render =
-        |line: &str| folder.line(&format!("render builtin:cornell:0 --grid 8 --iterations 4 {line}"));
+    let render = |line: &str| folder.line(&format!("render builtin:cornell:0 --iterations 4 {line}"));
     for size in [[1, 1], [8192, 1], [1, 300]] {
-        render(&format!("--size {}x{} -o x.exr", size[0], size[1])).succeeded();
+        render(&format!("--grid 8 --size {}x{} -o x.exr", size[0], size[1])).succeeded();
         let rows = read_exr(&folder.join("x.exr"))?;
         assert_eq!([rows[0].len(), rows.len()], size);
         assert!(rows.iter().flatten().flatten().all(|c| c.is_finite()));
@@ -105,7 +104,7 @@ pub(crate) fn limits() -> Result<(), Failed> {
     // Everything that gives light is white, and black.
     for (exposure, expected) in [("1000", 255), ("-1000", 0), ("3e38", 255), ("-3e38", 0)] {
         let camera = "--camera 0,1,0.9:0,0.5,-1";
-        render(&format!("--size 8x8 {camera} --exposure {exposure} -o x.png")).succeeded();
+        render(&format!("--grid 8 --size 8x8 {camera} --exposure {exposure} -o x.png")).succeeded();
         let picture = image::open(folder.join("x.png"))?.into_rgb8();
         let seen = picture.get_pixel(4, 4).0;
         assert_eq!(seen, [expected; 3], "at {exposure} EV");
@@ -127,5 +126,11 @@ pub(crate) fn limits() -> Result<(), Failed> {
         assert_eq!(read_json(&folder.join("s.json"))?["frames"], 1);
     }
     assert_eq!(folder.files(), ["s.json", "t_0.exr", "x.exr", "x.png"]);
+    // The coarsest grid, and boxes that no camera could be found for.
+    render("--grid 3 --size 8x8 -o x.png").succeeded();
+    for corner in ["1e30 0 0", "0 0 0"] {
+        folder.write("odd.off", format!("OFF\n3 1 0\n0 0 0\n{corner}\n0 0 0\n3 0 1 2\n"));
+        folder.line("render odd.off -o o.png").failed_with(&["a grid needs a box of 1e-9 to 1e9 metres"]);
+    }
     Ok(())
 }
