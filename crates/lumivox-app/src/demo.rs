@@ -49,7 +49,7 @@ struct Walk {
 
 /// Runs the command.
 pub(crate) fn run(args: &DemoArgs) -> Result<()> {
-    output::prepare_folder(&args.out.join("sheet.png"))?;
+    output::prepare(&args.out.join("sheet.png"))?;
     let start = clock::millis();
     let gpu = info::open_gpu(&args.gpu)?;
     let scene = builtin::atrium(2);
@@ -81,7 +81,9 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
             sheet::side_by_side(("single-frame voxels", single), ("progressive voxels", kept))
         })
         .collect();
-    output::write_gif(&args.out.join("walk.gif"), &frames, FRAME_MILLIS)?;
+    output::write_gif(&args.out.join("walk.gif"), FRAME_MILLIS, |show| {
+        frames.into_iter().try_for_each(show)
+    })?;
     let rows: Vec<_> = walks.iter().map(|w| (w.stats.voxelizer, w.moment.clone())).collect();
     let sheet = sheet::contact_sheet(&rows, &["ground floor voxels from above", "indirect light", "final"]);
     output::write_png(&args.out.join("sheet.png"), &sheet)?;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4};
-use lumivox::core::{Bounds, Grid, View};
+use lumivox::core::{Bounds, Grid, GridError, View};
 use lumivox_scene::{Camera, Scene};
 
 /// Cells a side of the volume that candidates are judged in.
@@ -21,7 +21,7 @@ const SHARES_SEEN: [f32; 2] = [0.6, 0.35];
 const ENCLOSED: f32 = 0.4;
 
 /// The candidate that sees the most surface, its right side first.
-pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
+pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Result<Camera, GridError> {
     let (grid, cells) = cells(scene, bounds)?;
     let share = share_seen_from_outside(&grid, &cells);
     let fits = |c: &Camera| match c.name.as_str() {
@@ -37,7 +37,8 @@ pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Option<Camera> {
         fitting
     };
     let scored = candidates.into_iter().map(|c| (score(&c, &grid, &cells), c));
-    scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, camera)| camera)
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, camera)| camera).ok_or(GridError::BadBounds(*bounds))
 }
 
 /// How a point stands in a scene.
@@ -51,7 +52,7 @@ pub(crate) struct Surroundings {
 
 /// What there is around an eye.
 pub(crate) fn surroundings(scene: &Scene, bounds: &Bounds, eye: Vec3) -> Option<Surroundings> {
-    let (grid, cells) = cells(scene, bounds)?;
+    let (grid, cells) = cells(scene, bounds).ok()?;
     Some(surroundings_in(&grid, &cells, eye, 600))
 }
 
@@ -66,10 +67,10 @@ fn surroundings_in(grid: &Grid, cells: &[Vec4], eye: Vec3, directions: u32) -> S
     }
 }
 
-fn cells(scene: &Scene, bounds: &Bounds) -> Option<(Grid, Vec<Vec4>)> {
-    let grid = Grid::fit_with_margin(bounds, GRID).ok()?;
+fn cells(scene: &Scene, bounds: &Bounds) -> Result<(Grid, Vec<Vec4>), GridError> {
+    let grid = Grid::fit_with_margin(bounds, GRID)?;
     let normals = lumivox_render::triangles::voxelize(&[scene], &grid).normal;
-    Some((grid, normals))
+    Ok((grid, normals))
 }
 
 /// Directions spread over the sphere.

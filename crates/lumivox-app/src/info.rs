@@ -38,7 +38,7 @@ pub(crate) fn open_gpu(args: &GpuArgs) -> Result<Gpu> {
 
 /// Runs the command.
 pub(crate) fn run(args: &InfoArgs) -> Result<()> {
-    args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
+    args.stats.as_deref().map_or(Ok(()), output::prepare)?;
     let adapters = pollster::block_on(Gpu::adapters());
     let gpu = open_gpu(&args.gpu)?;
     let limits = gpu.device.limits();

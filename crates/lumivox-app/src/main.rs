@@ -6,9 +6,11 @@ mod compare;
 mod demo;
 mod framing;
 mod info;
+mod interrupt;
 mod lighting;
 mod motion;
 mod output;
+mod part_file;
 mod render;
 mod sheet;
 mod stats;
@@ -23,6 +25,9 @@ fn main() -> ExitCode {
     });
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).without_time().init();
     let arguments = args::Arguments::parse();
+    if let Err(error) = interrupt::listen() {
+        tracing::warn!("an interrupt may leave a temporary file behind: {error}");
+    }
     let result = match &arguments.command {
         args::Command::Demo(demo) => demo::run(demo),
         args::Command::Render(render) => render::run(render),

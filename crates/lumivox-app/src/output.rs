@@ -1,11 +1,14 @@
-//! Files the program writes: each under a temporary name first, then renamed, so that an interrupt leaves no half file.
+//! Files the program writes: pictures, animations and text. Each is whole or not there; see [`crate::part_file`].
 
-use std::ffi::OsString;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use glam::Vec3;
+use image::RgbImage;
 use lumivox_render::{Layer, tone};
+
+use crate::part_file::PartFile;
 
 /// A picture in memory: linear values, row 0 on top.
 #[derive(Clone, Debug)]
@@ -17,7 +20,7 @@ pub(crate) struct Picture {
 
 impl Picture {
     /// Bytes for a screen: radiance through the tone curve, other layers as they are.
-    pub(crate) fn srgb(&self, layer: Layer, exposure_ev: f32) -> image::RgbImage {
+    pub(crate) fn srgb(&self, layer: Layer, exposure_ev: f32) -> RgbImage {
         let farthest = self.pixels.iter().map(|p| p.x).fold(1e-6, f32::max);
         let bytes = self.pixels.iter().flat_map(|p| match layer {
             Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels => {
@@ -26,7 +29,7 @@ impl Picture {
             Layer::Albedo | Layer::Normal => tone::srgb_bytes(*p),
             Layer::Depth => [(255.0 * (1.0 - p.x / farthest).clamp(0.0, 1.0)) as u8; 3],
         });
-        let mut image = image::RgbImage::new(self.width, self.height);
+        let mut image = RgbImage::new(self.width, self.height);
         image.iter_mut().zip(bytes).for_each(|(to, byte)| *to = byte);
         image
     }
@@ -51,82 +54,105 @@ pub(crate) fn format_of(path: &Path) -> Result<Format> {
     }
 }
 
-/// Makes the folder that a file will be written into, before any work is done for it.
-pub(crate) fn prepare_folder(path: &Path) -> Result<()> {
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+/// Makes sure that a file can be written, before any work is done for it: makes its folder and tries.
+pub(crate) fn prepare(path: &Path) -> Result<()> {
+    if let Some(folder) = folder_of(path) {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot write {}: its folder cannot be made", path.display()))?;
     }
     if path.is_dir() {
         bail!("cannot write {}: a folder of that name is in the way", path.display());
     }
+    PartFile::check(path).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Refuses to write two of the outputs into one file, or any of them over the scene that is read.
+pub(crate) fn check_apart(scene: &str, outputs: &[&Path]) -> Result<()> {
+    let mut taken = vec![place(Path::new(scene))];
+    for output in outputs {
+        let place = place(output);
+        match taken.iter().position(|t| *t == place) {
+            Some(0) => bail!("{}: the scene would be overwritten", output.display()),
+            Some(_) => bail!("{}: the picture and its statistics cannot be one file", output.display()),
+            None => taken.push(place),
+        }
+    }
     Ok(())
+}
+
+/// Where a path leads, whichever way it is written.
+fn place(path: &Path) -> PathBuf {
+    let folder = || std::fs::canonicalize(folder_of(path).unwrap_or(Path::new("."))).ok();
+    let unborn =
+        || folder().map_or_else(|| path.to_owned(), |f| f.join(path.file_name().unwrap_or_default()));
+    std::fs::canonicalize(path).unwrap_or_else(|_| unborn())
+}
+
+fn folder_of(path: &Path) -> Option<&Path> {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty())
 }
 
 /// Writes a picture in the format of its name.
 pub(crate) fn write_picture(path: &Path, picture: &Picture, layer: Layer, exposure_ev: f32) -> Result<()> {
+    use exr::prelude::WritableImage;
     match format_of(path)? {
         Format::Png => write_png(path, &picture.srgb(layer, exposure_ev)),
-        Format::Gif => write_gif(path, &[picture.srgb(layer, exposure_ev)], 0),
-        Format::Exr => write_with(path, |temporary| {
-            let pixel = |x: usize, y: usize| picture.pixels[y * picture.width as usize + x].into();
-            exr::prelude::write_rgb_file(temporary, picture.width as usize, picture.height as usize, pixel)
-                .map_err(anyhow::Error::from)
+        Format::Gif => write_gif(path, 0, |show| show(picture.srgb(layer, exposure_ev))),
+        Format::Exr => write_with(path, |file| {
+            let (width, height) = (picture.width as usize, picture.height as usize);
+            let channels = exr::prelude::SpecificChannels::rgb(|at: exr::prelude::Vec2<usize>| {
+                <(f32, f32, f32)>::from(picture.pixels[at.y() * width + at.x()])
+            });
+            Ok(exr::prelude::Image::from_channels((width, height), channels).write().to_buffered(file)?)
         }),
     }
 }
 
 /// Writes a PNG.
-pub(crate) fn write_png(path: &Path, image: &image::RgbImage) -> Result<()> {
-    write_with(path, |temporary| Ok(image.save_with_format(temporary, image::ImageFormat::Png)?))
+pub(crate) fn write_png(path: &Path, image: &RgbImage) -> Result<()> {
+    write_with(path, |file| Ok(image.write_to(file, image::ImageFormat::Png)?))
 }
 
-/// Writes an endless animation.
-pub(crate) fn write_gif(path: &Path, frames: &[image::RgbImage], frame_millis: u32) -> Result<()> {
-    write_with(path, |temporary| {
-        let file = std::io::BufWriter::new(std::fs::File::create(temporary)?);
+/// Writes an endless animation of the pictures that `play` shows, one by one.
+pub(crate) fn write_gif(
+    path: &Path,
+    frame_millis: u32,
+    play: impl FnOnce(&mut dyn FnMut(RgbImage) -> Result<()>) -> Result<()>,
+) -> Result<()> {
+    write_with(path, |file| {
         // 10 of 1 (best) to 30 (fastest): three times quicker than the best, without visible loss here.
         let mut encoder = image::codecs::gif::GifEncoder::new_with_speed(file, 10);
         encoder.set_repeat(image::codecs::gif::Repeat::Infinite)?;
-        for frame in frames {
-            let rgba = image::DynamicImage::ImageRgb8(frame.clone()).into_rgba8();
+        play(&mut |picture| {
+            let rgba = image::DynamicImage::ImageRgb8(picture).into_rgba8();
             let delay = image::Delay::from_numer_denom_ms(frame_millis, 1);
-            encoder.encode_frame(image::Frame::from_parts(rgba, 0, 0, delay))?;
-        }
-        Ok(())
+            Ok(encoder.encode_frame(image::Frame::from_parts(rgba, 0, 0, delay))?)
+        })
     })
 }
 
 /// Writes text.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<()> {
-    write_with(path, |temporary| Ok(std::fs::write(temporary, text)?))
+    write_with(path, |file| Ok(file.write_all(text.as_bytes())?))
 }
 
-/// Makes the folder of a file, calls `write` with a temporary name beside it and renames the result.
-fn write_with(path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+/// Makes the folder of a file and the file, which appears under its name when `write` has succeeded.
+fn write_with(path: &Path, write: impl FnOnce(&mut PartFile) -> Result<()>) -> Result<()> {
     let failed = || format!("cannot write {}", path.display());
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).with_context(failed)?;
+    folder_of(path).map_or(Ok(()), std::fs::create_dir_all).with_context(failed)?;
+    let mut file = PartFile::create(path).with_context(failed)?;
+    let result = write(&mut file);
+    match file.failure() {
+        Some(failure) => Err(failure).with_context(failed),
+        None => result.and_then(|()| Ok(file.finish()?)).with_context(failed),
     }
-    let temporary = temporary_name(path);
-    let result = write(&temporary).and_then(|()| Ok(std::fs::rename(&temporary, path)?));
-    if result.is_err() {
-        // Whatever was written is of no use; that it cannot be removed either changes nothing.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    result.with_context(failed)
-}
-
-fn temporary_name(path: &Path) -> PathBuf {
-    let mut name = OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    path.with_file_name(name)
 }
 
 /// Puts a frame's number into a name with one `%d` or `%0Nd`.
 pub(crate) fn numbered(path: &Path, number: u32) -> Result<PathBuf> {
-    let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+    let Some(name) = path.file_name().unwrap_or_default().to_str() else {
+        bail!("{}: the name of a series must be Unicode", path.display());
+    };
     let pattern = || format!("{}: a series needs a name like picture_%04d.png", path.display());
     let (before, rest) = name.split_once('%').with_context(pattern)?;
     let (digits, after) = rest.split_once('d').with_context(pattern)?;

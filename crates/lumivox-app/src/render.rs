@@ -1,5 +1,7 @@
 //! `lumivox render`: one settled picture, or a series.
 
+use std::path::Path;
+
 use anyhow::{Result, bail};
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -17,26 +19,29 @@ use crate::{clock, info, lighting};
 const SETTLED: f64 = 0.01;
 /// A still gives up settling after this many propagation steps.
 const MAX_STEPS: u32 = 8192;
+/// Browsers play an animation with shorter delays than 20 ms at ten frames per second.
+const GIF_MAX_FPS: f32 = 50.0;
 
 /// Runs the command.
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let format = output::format_of(&args.output)?;
-    match args.frames {
-        Some(_) if format != Format::Gif => drop(output::numbered(&args.output, 0)?),
+    let first = match args.frames {
+        Some(_) if format != Format::Gif => output::numbered(&args.output, 0)?,
         None if format == Format::Gif => {
             bail!("{}: a .gif holds a series: add --frames N", args.output.display())
         }
-        _ => {}
-    }
-    if !(args.fps.is_finite() && (0.1..=1000.0).contains(&args.fps)) {
+        _ => args.output.clone(),
+    };
+    if !(0.1..=1000.0).contains(&args.fps) {
         bail!("--fps must be 0.1 to 1000");
     }
-    check(&args.shot)?;
-    if args.stats.as_ref() == Some(&args.output) {
-        bail!("{}: the picture and its statistics cannot be one file", args.output.display());
+    if format == Format::Gif && args.fps > GIF_MAX_FPS {
+        bail!("--fps {}: players show a .gif with at most {GIF_MAX_FPS} frames per second", args.fps);
     }
-    output::prepare_folder(&args.output)?;
-    args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
+    check(&args.shot)?;
+    let outputs: Vec<&Path> = [Some(first.as_path()), args.stats.as_deref()].into_iter().flatten().collect();
+    outputs.iter().try_for_each(|path| output::prepare(path))?;
+    output::check_apart(&args.shot.scene, &outputs)?;
     let start = clock::millis();
     let mut scene = load(&args.shot)?;
     let load_ms = clock::millis() - start;
@@ -52,7 +57,19 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let mut renderer = Renderer::new(&gpu, &scene, settings)?;
     let mut work = Work::default();
     match args.frames {
-        Some(count) => series(&mut renderer, args, &mut scene, &motion, count, &mut work)?,
+        Some(count) => {
+            let mut moving =
+                |save: Save<'_>| series(&mut renderer, args, &mut scene, &motion, count, &mut work, save);
+            let layer = args.layer.into();
+            match format {
+                Format::Gif => output::write_gif(&args.output, (1e3 / args.fps).round() as u32, |show| {
+                    moving(&mut |_, picture, exposure| show(picture.srgb(layer, exposure)))
+                })?,
+                _ => moving(&mut |n, picture, exposure| {
+                    output::write_picture(&output::numbered(&args.output, n)?, picture, layer, exposure)
+                })?,
+            }
+        }
         None => {
             let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
             still(&mut renderer, args.shot.iterations, &camera, clock, &mut work)?;
@@ -183,7 +200,10 @@ pub(crate) fn still(
     Ok(())
 }
 
-/// Frame by frame, into numbered pictures or one animation.
+/// Takes a frame's number, its picture and the exposure in stops.
+type Save<'a> = &'a mut dyn FnMut(u32, &Picture, f32) -> Result<()>;
+
+/// Frame by frame, each saved before the next is begun.
 fn series(
     renderer: &mut Renderer,
     args: &RenderArgs,
@@ -191,11 +211,9 @@ fn series(
     motion: &Motion,
     count: u32,
     work: &mut Work,
+    save: Save<'_>,
 ) -> Result<()> {
     let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
-    let animated = output::format_of(&args.output)? == Format::Gif;
-    let layer = args.layer.into();
-    let mut animation = Vec::new();
     let bar = progress(u64::from(count), "frames");
     for n in 0..count {
         let (pose, camera) = motion.pose(scene, args.shot.time + n as f32 / args.fps);
@@ -208,18 +226,10 @@ fn series(
         work.frames += 1;
         work.iterations += args.shot.iterations;
         let picture = read_frame(renderer, args, work)?;
-        let exposure = work.exposure_ev.unwrap_or(0.0);
-        if animated {
-            animation.push(picture.srgb(layer, exposure));
-        } else {
-            output::write_picture(&output::numbered(&args.output, n)?, &picture, layer, exposure)?;
-        }
+        save(n, &picture, work.exposure_ev.unwrap_or(0.0))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    if animated {
-        output::write_gif(&args.output, &animation, (1000.0 / args.fps).round() as u32)?;
-    }
     Ok(())
 }
 

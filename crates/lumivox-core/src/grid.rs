@@ -4,6 +4,8 @@
 //! its upper faces: points on them belong to the last cell. Cell `(i, j, k)` has the linear index
 //! `i + nx * (j + ny * k)`, in memory, on the GPU and in files.
 
+use std::ops::RangeInclusive;
+
 use glam::{UVec3, Vec3};
 
 use crate::Bounds;
@@ -11,7 +13,7 @@ use crate::Bounds;
 /// Why a grid cannot be made.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GridError {
-    /// The box has no extent or is not finite.
+    /// The box is not finite, or its longest side is outside [`Grid::EXTENTS`].
     BadBounds(Bounds),
     /// The longest axis must have at least one cell and at most [`Grid::MAX_SIDE`].
     BadResolution(u32),
@@ -23,7 +25,9 @@ impl std::fmt::Display for GridError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::BadBounds(b) => {
-                write!(f, "a grid needs a finite box with some extent, not {} .. {}", b.min, b.max)
+                let (from, to) = (Grid::EXTENTS.start(), Grid::EXTENTS.end());
+                let (low, high) = (b.min.to_array(), b.max.to_array());
+                write!(f, "a grid needs a box of {from:e} to {to:e} metres, not {low:?} to {high:?}")
             }
             Self::BadResolution(n) => {
                 write!(f, "a grid needs 1 to {} cells along its longest axis, not {n}", Grid::MAX_SIDE)
@@ -53,6 +57,9 @@ pub struct Grid {
 impl Grid {
     /// The most cells along one axis: the size limit of 3D textures in core WebGPU.
     pub const MAX_SIDE: u32 = 2048;
+    /// The longest side of a box that is gridded, in metres. Beyond these, products of three lengths, as in the inverse of a
+    /// view's matrix, are no single-precision numbers any more.
+    pub const EXTENTS: RangeInclusive<f32> = 1e-9..=1e9;
 
     /// The tight grid of a box: `resolution` cells along the longest axis, as many as needed along the others,
     /// with the grid's corner at the box's.
@@ -86,8 +93,8 @@ impl Grid {
 
     fn check(bounds: &Bounds, resolution: u32) -> Result<(), GridError> {
         let size = bounds.size();
-        if !(bounds.min.is_finite() && bounds.max.is_finite() && size.is_finite() && size.max_element() > 0.0)
-        {
+        let finite = bounds.min.is_finite() && bounds.max.is_finite();
+        if !(finite && Self::EXTENTS.contains(&size.max_element())) {
             return Err(GridError::BadBounds(*bounds));
         }
         if resolution == 0 || resolution > Self::MAX_SIDE {
@@ -195,5 +202,15 @@ mod tests {
         assert!(matches!(Grid::fit_with_margin(&grid().bounds(), 2049), Err(GridError::BadResolution(2049))));
         let point = Bounds::new(Vec3::ONE, Vec3::ONE);
         assert!(matches!(Grid::fit(&point, 8), Err(GridError::BadBounds(_))));
+        for (extent, fits) in [(0.9e-9, false), (1e-9, true), (1e9, true), (1.1e9, false), (f32::MAX, false)]
+        {
+            let bounds = Bounds::new(Vec3::ZERO, Vec3::new(0.0, extent, 0.0));
+            assert_eq!(Grid::fit(&bounds, 8).is_ok(), fits, "{extent}");
+        }
+        let text = Grid::fit(&Bounds::new(Vec3::ZERO, Vec3::splat(1e30)), 8).unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "a grid needs a box of 1e-9 to 1e9 metres, not [0.0, 0.0, 0.0] to [1e30, 1e30, 1e30]"
+        );
     }
 }

@@ -37,7 +37,21 @@ impl View {
         near: f32,
         far: f32,
     ) -> Self {
-        let eye_from_world = view::look_at_mat4(eye, target, steady_up(target - eye, up));
+        Self::perspective_along(eye, target - eye, up, fov_y, aspect, near, far)
+    }
+
+    /// As [`Self::perspective`], with a direction of any length to look along. A target near an eye that is far from the
+    /// origin would be rounded to the eye.
+    pub fn perspective_along(
+        eye: Vec3,
+        forward: Vec3,
+        up: Vec3,
+        fov_y: f32,
+        aspect: f32,
+        near: f32,
+        far: f32,
+    ) -> Self {
+        let eye_from_world = eye_from_world(eye, forward, up);
         let clip_from_eye = proj::perspective(fov_y, aspect, near, far);
         Self {
             clip_from_world: clip_from_eye * eye_from_world,
@@ -49,7 +63,12 @@ impl View {
 
     /// An orthographic view from `eye` towards `target`, `size` metres wide and high, that sees from 0 to `far` metres.
     pub fn orthographic(eye: Vec3, target: Vec3, up: Vec3, size: Vec2, far: f32) -> Self {
-        let eye_from_world = view::look_at_mat4(eye, target, steady_up(target - eye, up));
+        Self::orthographic_along(eye, target - eye, up, size, far)
+    }
+
+    /// As [`Self::orthographic`], with a direction of any length to look along.
+    pub fn orthographic_along(eye: Vec3, forward: Vec3, up: Vec3, size: Vec2, far: f32) -> Self {
+        let eye_from_world = eye_from_world(eye, forward, up);
         let half = 0.5 * size;
         let clip_from_eye = proj::orthographic(-half.x, half.x, -half.y, half.y, 0.0, far);
         Self {
@@ -104,6 +123,12 @@ impl View {
     }
 }
 
+fn eye_from_world(eye: Vec3, forward: Vec3, up: Vec3) -> Mat4 {
+    // Scaled first, for the shortest and longest do not survive being squared; along -z if there is no direction.
+    let forward = (forward / forward.abs().max_element()).try_normalize().unwrap_or(Vec3::NEG_Z);
+    view::look_to_mat4(eye, forward, steady_up(forward, up))
+}
+
 /// An up vector that is never parallel to the view direction.
 fn steady_up(forward: Vec3, up: Vec3) -> Vec3 {
     let along = forward.normalize_or_zero().dot(up.normalize_or_zero()).abs();
@@ -142,6 +167,27 @@ mod tests {
             let near = view.uv_from_world(view.eye() + view.forward()).unwrap().1;
             let far = view.uv_from_world(view.eye() + 9.0 * view.forward()).unwrap().1;
             assert_eq!(near < far, !view.reversed_depth);
+        }
+    }
+
+    #[test]
+    fn any_direction_of_any_length_is_looked_along() {
+        let far_away = Vec3::new(3e8, -2e9, 1e7);
+        for forward in [Vec3::X, Vec3::new(0.1, -0.7, 0.3)] {
+            for length in [1e-30, 1.0, 1e30] {
+                let views = [
+                    View::perspective_along(far_away, length * forward, Vec3::Y, 1.0, 1.0, 0.1, 10.0),
+                    View::orthographic_along(far_away, length * forward, Vec3::Y, Vec2::ONE, 10.0),
+                ];
+                for view in views {
+                    let error = view.forward().distance(forward.normalize_or_zero());
+                    assert!(error < 1e-6, "{forward} times {length}: {error}");
+                }
+            }
+        }
+        for nowhere in [Vec3::ZERO, Vec3::NAN] {
+            let view = View::perspective_along(Vec3::ONE, nowhere, Vec3::Y, 1.0, 1.0, 0.1, 10.0);
+            assert!(view.clip_from_world.is_finite() && view.forward() == Vec3::NEG_Z);
         }
     }
 

@@ -9,7 +9,7 @@ use crate::surface::{HDR_FORMAT, SurfaceView};
 /// The shader.
 pub const SHADER: Shader = Shader {
     name: "render/composite",
-    parts: &[wgsl::VIEW, wgsl::FULLSCREEN, include_str!("composite.wgsl")],
+    parts: &[wgsl::VIEW, wgsl::PACK, wgsl::FULLSCREEN, include_str!("composite.wgsl")],
 };
 
 /// What a picture shows.
@@ -26,7 +26,7 @@ pub enum Layer {
     Albedo,
     /// World normal, -1..1 shown as 0..1.
     Normal,
-    /// Distance along the view direction in metres.
+    /// Distance along the view direction in metres, at most 65504.
     Depth,
     /// The cells of the volume, lit.
     Voxels,

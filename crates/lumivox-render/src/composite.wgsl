@@ -21,7 +21,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let texel = vec2u(position.xy);
     let pixel_depth = textureLoad(depth, texel, 0);
     if pixel_depth == view.far_depth {
-        return vec4f(select(vec3f(0.0), composite.sky, composite.layer == 0u), 0.0);
+        return vec4f(select(vec3f(0.0), min(composite.sky, vec3f(HALF_MAX)), composite.layer == 0u), 0.0);
     }
     let reflectance = textureLoad(albedo, texel, 0).rgb;
     let direct = textureLoad(radiance, texel, 0).rgb;
@@ -35,5 +35,5 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 5u: { shown = vec3f(eye_distance(view, world_from_texel(view, texel, pixel_depth))); }
         default: { shown = direct + indirect + textureLoad(emission, texel, 0).rgb; }
     }
-    return vec4f(shown, 1.0);
+    return vec4f(min(shown, vec3f(HALF_MAX)), 1.0);
 }

@@ -23,6 +23,18 @@ struct Varyings {
     @location(4) eye: vec3f,
 }
 
+// Vectors are brought to a largest component of one before they are multiplied: the squares of nanometres and of millions of
+// kilometres are no numbers any more.
+const SMALLEST: f32 = 1e-30;
+
+fn largest_part(v: vec3f) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+fn brought_to_one(v: vec3f) -> vec3f {
+    return v / max(largest_part(v), SMALLEST);
+}
+
 @vertex
 fn vertex(
     @builtin(instance_index) instance: u32,
@@ -35,7 +47,9 @@ fn vertex(
     let world = world_from_local * vec4f(position, 1.0);
     // The cofactor matrix turns normals right under any scale, mirrored ones too.
     let m = mat3x3f(world_from_local[0].xyz, world_from_local[1].xyz, world_from_local[2].xyz);
-    let cofactor = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+    let largest = max(largest_part(m[0]), max(largest_part(m[1]), largest_part(m[2])));
+    let s = (1.0 / max(largest, SMALLEST)) * m;
+    let cofactor = mat3x3f(cross(s[1], s[2]), cross(s[2], s[0]), cross(s[0], s[1]));
     let eye = (view.eye_from_world * world).xyz;
     return Varyings(view.clip_from_world * world, world.xyz, cofactor * normal, uv, color, eye);
 }
@@ -51,11 +65,13 @@ struct Surface {
 
 // The side of the triangle that the view sees.
 fn visible_face(eye: vec3f) -> vec3f {
-    let face = cross(dpdx(eye), dpdy(eye));
+    let face = cross(brought_to_one(dpdx(eye)), brought_to_one(dpdy(eye)));
     let m = view.clip_from_world;
     let orthographic = m[0].w == 0.0 && m[1].w == 0.0 && m[2].w == 0.0;
-    let toward_view = select(-eye, vec3f(0.0, 0.0, 1.0), orthographic);
-    let turned = select(face, -face, dot(face, toward_view) < 0.0);
+    let toward_view = select(-brought_to_one(eye), vec3f(0.0, 0.0, 1.0), orthographic);
+    let facing = select(face, -face, dot(face, toward_view) < 0.0);
+    // What is too far away to have a face has its front to the view.
+    let turned = select(vec3f(0.0, 0.0, 1.0), facing, dot(face, face) > 1e-20);
     // Back to the world: the matrix is a rotation.
     return normalize(turned * mat3x3f(view.eye_from_world[0].xyz, view.eye_from_world[1].xyz, view.eye_from_world[2].xyz));
 }

@@ -14,10 +14,15 @@ const MIDDLE_GREY: f32 = 0.18;
 /// Brings middle grey to where the eye expects it after the curve has pressed highlights down.
 const PRE_EXPOSURE: f32 = 2.0;
 
-/// Linear radiance to sRGB bytes.
+/// More stops than this change no picture of half floats any more, which span 40; a product with them is finite.
+const EV_LIMIT: f32 = 64.0;
+
+/// Linear radiance to sRGB bytes; what is not a number is black.
 pub fn tone_mapped(radiance: Vec3, exposure_ev: f32) -> [u8; 3] {
-    let scaled = PRE_EXPOSURE * exposure_ev.exp2() * radiance.max(Vec3::ZERO);
-    srgb_bytes(scaled.to_array().map(|c| hable(c) / hable(WHITE)).into())
+    let scale = PRE_EXPOSURE * exposure_ev.clamp(-EV_LIMIT, EV_LIMIT).exp2();
+    // The curve is white from there on, and its squares would overflow.
+    let exposed = radiance.to_array().map(|c| (scale * c.max(0.0)).min(WHITE));
+    srgb_bytes(exposed.map(|c| hable(c) / hable(WHITE)).into())
 }
 
 /// The exposure that brings the geometric mean of what is lit to middle grey, between -8 and +8 stops. Pixels darker than a
@@ -73,6 +78,16 @@ mod tests {
         let dark = vec![Vec3::splat(0.18 / 8.0); 10];
         assert!((auto_exposure(&dark) - 3.0).abs() < 1e-3);
         assert_eq!(auto_exposure(&[Vec3::ZERO; 4]), 0.0);
+    }
+
+    #[test]
+    fn no_exposure_or_radiance_is_too_much() {
+        for ev in [100.0, 1e4, f32::MAX, f32::INFINITY] {
+            assert_eq!(tone_mapped(Vec3::new(0.0, 1e-4, 6e4), ev), [0, 255, 255]);
+            assert_eq!(tone_mapped(Vec3::new(0.0, 1e-4, 6e4), -ev), [0; 3]);
+        }
+        let odd = Vec3::new(f32::INFINITY, f32::NAN, f32::NEG_INFINITY);
+        assert_eq!(tone_mapped(odd, 0.0), [255, 0, 0]);
     }
 
     #[test]

@@ -77,7 +77,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
             let edge = min(min(across.x, across.y), across.z);
             // Edge lines fade with distance, where they would only flicker.
             let line = mix(0.7, 1.0, saturate(max(edge * 14.0, distance / 60.0)));
-            return vec4f(shade(index, face, ray.direction, line), 1.0);
+            return vec4f(min(shade(index, face, ray.direction, line), vec3f(HALF_MAX)), 1.0);
         }
         let axis = select(select(vec3f(0.0, 0.0, 1.0), vec3f(0.0, 1.0, 0.0), next.y <= next.z),
             vec3f(1.0, 0.0, 0.0), next.x <= next.y && next.x <= next.z);

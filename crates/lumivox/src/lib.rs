@@ -61,6 +61,7 @@ pub fn shader_constants() -> Vec<(&'static str, f32)> {
         ("COSINE_RATIO", sh::COS1 / sh::COS0),
         ("FACE_FLUX0", 1.0 / (6.0 * sh::Y0)),
         ("FACE_FLUX1", light::FACE_FLUX1),
+        ("HALF_MAX", wgsl::HALF_MAX),
     ]
 }
 

@@ -23,6 +23,9 @@ pub const TRANSPORT: &str = include_str!("wgsl/transport.wgsl");
 /// The vertex stage of full-screen passes.
 pub const FULLSCREEN: &str = include_str!("wgsl/fullscreen.wgsl");
 
+/// The largest half float: volumes and pictures hold no larger number.
+pub const HALF_MAX: f32 = 65504.0;
+
 crate::gpu_struct! {
     /// A [`Grid`] as shaders see it.
     pub struct GridUniform {
@@ -79,7 +82,7 @@ impl ViewUniform {
     /// they can be without overflow when all points that are added to the same sums fall into one cell.
     pub fn new(view: &View, size: UVec2, points: UVec2, scale: InjectionScale) -> Self {
         let steps = |points: u32| 2f32.powi(30) / points.max(1) as f32;
-        let radiance_max = scale.radiance_max.max(1e-6);
+        let radiance_max = scale.radiance_max.clamp(1e-6, HALF_MAX);
         Self {
             clip_from_world: view.clip_from_world,
             world_from_clip: view.world_from_clip(),

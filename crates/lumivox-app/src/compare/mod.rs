@@ -32,8 +32,11 @@ const SIZE: Size = Size(480, 270);
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     render::check(&args.shot)?;
     let json = args.out.join("compare.json");
-    output::prepare_folder(&json)?;
-    args.stats.as_deref().map_or(Ok(()), output::prepare_folder)?;
+    output::prepare(&json)?;
+    if let Some(stats) = &args.stats {
+        output::prepare(stats)?;
+        output::check_apart(&args.shot.scene, &[stats])?;
+    }
     let start = clock::millis();
     let files = args.reference.as_deref().map(Files::read).transpose()?;
     let size = picture_size(args, files.as_ref())?;

@@ -119,7 +119,7 @@ pub(crate) fn unknown_adapter() -> Result<(), Failed> {
 
 pub(crate) fn bad_grids() -> Result<(), Failed> {
     let folder = Folder::new();
-    for grid in ["0", "1", "100000", "4294967295"] {
+    for grid in ["0", "1", "2", "100000", "4294967295"] {
         let run = folder.run(["render", "builtin:cornell:0", "-o", "x.png", "--size", "8x8", "--grid", grid]);
         run.failed_with(&["cells along its longest axis"]);
     }

@@ -1,8 +1,8 @@
-//! Files: broken ones that come in, and ones that cannot go out.
+//! Broken files that come in.
 
 use libtest_mimic::Failed;
 
-use crate::support::{Folder, QUICK, glb};
+use crate::support::{Folder, glb};
 
 pub(crate) fn broken_files() -> Result<(), Failed> {
     let folder = Folder::new();
@@ -61,23 +61,5 @@ pub(crate) fn cut_files() -> Result<(), Failed> {
         run.failed_with(&["cut.glb"]);
     }
     assert_eq!(folder.files(), ["cut.glb"]);
-    Ok(())
-}
-
-pub(crate) fn unwritable_outputs() -> Result<(), Failed> {
-    let folder = Folder::new();
-    folder.write("file", "in the way");
-    std::fs::create_dir_all(folder.join("taken.png/inside")).unwrap();
-    for output in ["file/x.png", "file/deeper/x.exr", "taken.png"] {
-        let run = folder.run(["render", "builtin:cornell:0", "-o", output].into_iter().chain(QUICK));
-        run.failed_with(&["cannot write", output]);
-    }
-    let stats = ["render", "builtin:cornell:0", "-o", "x.png", "--stats", "file/s.json"];
-    folder.run(stats.into_iter().chain(QUICK)).failed_with(&["cannot write", "file/s.json"]);
-    folder.line("info --stats file/s.json").failed_with(&["cannot write", "file/s.json"]);
-    let demo = ["demo", "--frames", "2", "--out", "file/demo"];
-    folder.run(demo.into_iter().chain(QUICK)).failed_with(&["cannot write", "file/demo"]);
-    let left = folder.files();
-    assert!(left.iter().all(|f| f == "file" || f == "x.png"), "half-written files: {left:?}");
     Ok(())
 }

@@ -9,7 +9,12 @@
 mod arguments;
 mod compare;
 mod files;
+#[cfg(unix)]
+mod full_disk;
+#[cfg(unix)]
+mod interrupts;
 mod others;
+mod outputs;
 mod pictures;
 mod pixels;
 mod support;
@@ -34,7 +39,17 @@ const ANYWHERE: &[(&str, Check)] = &[
 const WITH_GPU: &[(&str, Check)] = &[
     ("unknown adapters are named", arguments::unknown_adapter),
     ("grids that cannot be are refused", arguments::bad_grids),
-    ("outputs that cannot be written are named", files::unwritable_outputs),
+    ("outputs that cannot be written are named", outputs::unwritable),
+    ("what is read is never written over", outputs::over_the_scene),
+    ("names and numbers at their limits", outputs::limits),
+    #[cfg(unix)]
+    ("links, devices and names that are not Unicode", outputs::unusual_places),
+    #[cfg(unix)]
+    ("an interrupt leaves whole files alone", interrupts::series),
+    #[cfg(unix)]
+    ("an interrupt ends what has no whole file yet", interrupts::unfinished),
+    #[cfg(unix)]
+    ("a full disk leaves the old file", full_disk::every_format),
     ("a picture and its statistics", pictures::picture_and_stats),
     ("an EXR is linear and upright", pictures::exr),
     (

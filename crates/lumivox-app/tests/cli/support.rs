@@ -7,6 +7,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use libtest_mimic::Failed;
 
+/// The program under test.
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_lumivox");
+
 /// A folder of one test, gone with it.
 pub(crate) struct Folder(PathBuf);
 
@@ -21,15 +24,15 @@ impl Folder {
 
     /// Runs the program in the folder.
     pub(crate) fn run<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_lumivox"))
-            .args(arguments)
-            .current_dir(&self.0)
-            .env_remove("LUMIVOX_LOG")
-            // Drivers complain on stderr when there is none.
-            .env("XDG_RUNTIME_DIR", &self.0)
-            .output()
-            .unwrap();
-        Run::new(output)
+        Run::new(self.command(PROGRAM).args(arguments).output().unwrap())
+    }
+
+    /// Any program, to be run in the folder.
+    pub(crate) fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        // Drivers complain on stderr when there is no folder for them.
+        command.current_dir(&self.0).env_remove("LUMIVOX_LOG").env("XDG_RUNTIME_DIR", &self.0);
+        command
     }
 
     /// Runs the program with arguments that have no spaces in them.

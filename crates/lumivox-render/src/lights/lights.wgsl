@@ -16,6 +16,8 @@ const LIGHT_SPOT_GLTF: u32 = 3u;
 const LIGHT_SKY: u32 = 4u;
 const LIGHT_RECT: u32 = 5u;
 const PI: f32 = 3.1415927;
+// More than any picture holds, and small enough that sums and products of it are numbers.
+const IRRADIANCE_MAX: f32 = 1e30;
 
 fn spot_factor(light: LightUniform, toward_surface: vec3f) -> f32 {
     let cosine = clamp(dot(toward_surface, light.direction), -1.0, 1.0);
@@ -40,10 +42,10 @@ fn is_area_sample(light: LightUniform) -> bool {
 // Unshadowed irradiance in W/m2 on a surface at p whose visible side faces n.
 fn light_irradiance(light: LightUniform, p: vec3f, n: vec3f) -> vec3f {
     if is_parallel(light) {
-        return light.intensity * max(dot(n, -light.direction), 0.0);
+        return min(light.intensity * max(dot(n, -light.direction), 0.0), vec3f(IRRADIANCE_MAX));
     }
     let away = p - light.position;
-    let distance2 = max(dot(away, away), 1e-8);
+    let distance2 = max(dot(away, away), 1e-30);
     let toward_surface = away * inverseSqrt(distance2);
     var factor = max(dot(n, -toward_surface), 0.0) / distance2;
     if light.kind == LIGHT_RECT {
@@ -52,5 +54,5 @@ fn light_irradiance(light: LightUniform, p: vec3f, n: vec3f) -> vec3f {
     } else if light.kind != LIGHT_POINT {
         factor *= spot_factor(light, toward_surface);
     }
-    return factor * light.intensity;
+    return min(factor * light.intensity, vec3f(IRRADIANCE_MAX));
 }

@@ -92,7 +92,7 @@ pub fn radiance_bound<'a>(samples: impl IntoIterator<Item = &'a LightUniform>, b
     for sample in samples {
         let parallel = sample.kind == LIGHT_DIRECTIONAL || sample.kind == LIGHT_SKY;
         let at = |distance: f32| {
-            let attenuation = if parallel { 1.0 } else { distance.max(1e-3).powi(-2) };
+            let attenuation = if parallel { 1.0 } else { distance.max(1e-15).powi(-2) };
             attenuation * sample.intensity.max_element() / std::f32::consts::PI
         };
         brightest = brightest.max(at(diagonal / 50.0));

@@ -44,7 +44,8 @@ pub fn area_samples(lights: &[Light], sky: Vec3, count: u32) -> Vec<LightSample>
 /// Points of equal weight: a Fibonacci lattice, whose points lie evenly along both edges and across.
 fn rect_samples(origin: Vec3, u: Vec3, v: Vec3, radiance: Vec3, count: u32) -> Vec<LightSample> {
     let area_normal = u.cross(v);
-    let intensity = radiance * area_normal.length() / count.max(1) as f32;
+    // Of a number, however large: infinity times a black channel would be none.
+    let intensity = radiance * (area_normal.length().min(f32::MAX) / count.max(1) as f32);
     (0..count)
         .map(|n| {
             let st = Vec2::new((n as f32 + 0.5) / count as f32, (0.5 + n as f32 * GOLDEN_SECTION).fract());
@@ -65,7 +66,7 @@ fn rect_samples(origin: Vec3, u: Vec3, v: Vec3, radiance: Vec3, count: u32) -> V
 
 /// Directions of equal solid angle: a Fibonacci spiral over the whole sphere.
 pub fn sky_samples(radiance: Vec3, count: u32) -> Vec<LightSample> {
-    let intensity = radiance * 4.0 * PI / count.max(1) as f32;
+    let intensity = (radiance * 4.0 * PI / count.max(1) as f32).min(Vec3::MAX);
     (0..count)
         .map(|n| {
             let y = 1.0 - (2.0 * n as f32 + 1.0) / count as f32;

@@ -7,6 +7,9 @@ use lumivox::core::{Bounds, View};
 
 use super::{LightSample, unit};
 
+/// Diagonal of the smallest box that views are made for, metres.
+const MIN_REACH: f32 = 1e-15;
+
 /// Which way a light's views look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewShape {
@@ -41,10 +44,10 @@ pub fn light_views(sample: &LightSample, bounds: &Bounds, receivers: &[Vec3], te
     let light = &sample.uniform;
     let (position, forward) = (light.position, light.direction);
     let far = bounds.corners().iter().map(|c| c.distance(position)).fold(0.0, f32::max);
-    let reach = bounds.size().length().max(1e-3);
+    let reach = bounds.size().length().max(MIN_REACH);
     let planes = (1e-3 * reach, far.max(2e-3 * reach));
     let look = |axis: Vec3, up: Vec3, fov: f32| {
-        View::perspective(position, position + axis, up, fov, 1.0, planes.0, planes.1)
+        View::perspective_along(position, axis, up, fov, 1.0, planes.0, planes.1)
     };
     match sample.shape {
         ViewShape::Parallel => vec![parallel_view(unit(forward), bounds, receivers, texels)],
@@ -66,8 +69,8 @@ pub fn light_views(sample: &LightSample, bounds: &Bounds, receivers: &[Vec3], te
 
 /// An orthographic view that holds the receivers and, before them, all that may shade them.
 fn parallel_view(direction: Vec3, bounds: &Bounds, receivers: &[Vec3], texels: u32) -> View {
-    let reach = bounds.size().length().max(1e-3);
-    let probe = View::orthographic(Vec3::ZERO, direction, Vec3::Y, Vec2::ONE, 1.0);
+    let reach = bounds.size().length().max(MIN_REACH);
+    let probe = View::orthographic_along(Vec3::ZERO, direction, Vec3::Y, Vec2::ONE, 1.0);
     let flat = |p: &Vec3| probe.eye_from_world.transform_point3(*p).truncate();
     let window = |points: &[Vec3]| {
         let start = (Vec2::MAX, Vec2::MIN);
@@ -87,7 +90,7 @@ fn parallel_view(direction: Vec3, bounds: &Bounds, receivers: &[Vec3], texels: u
     // Along the light the eye lies a whole diagonal before the scene's middle.
     let along = direction.dot(bounds.center() - middle) - reach;
     let eye = middle + along * direction;
-    View::orthographic(eye, eye + direction, Vec3::Y, texels.max(1) as f32 * texel, 2.0 * reach)
+    View::orthographic_along(eye, direction, Vec3::Y, texels.max(1) as f32 * texel, 2.0 * reach)
 }
 
 /// Corners of the part of a box that a perspective camera can see; their convex hull holds it. Empty if it sees none.

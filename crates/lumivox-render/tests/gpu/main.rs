@@ -12,6 +12,7 @@ mod indirect;
 mod layers;
 mod masks;
 mod moving;
+mod odd;
 mod progressive;
 mod scenes;
 
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
     ];
     let mut trials: Vec<Trial> = tests
         .into_iter()
+        .chain(odd::TESTS.iter().copied())
         .flatten()
         .map(|&(name, check)| match gpu.clone() {
             Ok(gpu) => Trial::test(name, move || check(&gpu)),

@@ -43,6 +43,7 @@ use glam::Vec3;
 use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
 use crate::progressive::{DirectLight, ViewInput};
 use crate::volume::{VolumeBuffer, check_grid};
+use crate::wgsl::HALF_MAX;
 
 pub use reconstruction::IRRADIANCE_FORMAT;
 
@@ -66,7 +67,7 @@ pub struct LightSettings {
     /// room; at 1 a step conserves energy and momentum. Above 0.33 shares can be negative, which ripples around small
     /// bright patches.
     pub persistence: f32,
-    /// Radiance that enters the grid from outside, W/(m2 sr).
+    /// Radiance that enters the grid from outside, W/(m2 sr), at most 65504.
     pub sky: Vec3,
 }
 
@@ -90,7 +91,8 @@ impl From<&LightSettings> for PropagationUniform {
     fn from(settings: &LightSettings) -> Self {
         // A lobe of unit flux with ratio r carries 2 * FACE_FLUX1 * Y0 * r of net flux through opposite faces.
         const NET_FLUX_PER_RATIO: f32 = 2.0 * FACE_FLUX1 * lumivox_core::sh::Y0;
-        Self { sky: settings.sky, lobe_ratio: settings.persistence.clamp(0.0, 1.0) / NET_FLUX_PER_RATIO }
+        let sky = settings.sky.min(Vec3::splat(HALF_MAX));
+        Self { sky, lobe_ratio: settings.persistence.clamp(0.0, 1.0) / NET_FLUX_PER_RATIO }
     }
 }
 

@@ -48,7 +48,7 @@ fn irradiance_at(p: vec3f, n: vec3f) -> vec3f {
     for (var step = 0u; step < 3u && sum.w < 0.02; step++) {
         sum += interpolated(p + 0.75 * f32(step) * n, n);
     }
-    return max(sum.rgb / max(sum.w, 1e-6), vec3f(0.0));
+    return clamp(sum.rgb / max(sum.w, 1e-6), vec3f(0.0), vec3f(HALF_MAX));
 }
 
 @fragment

@@ -34,7 +34,7 @@ mod view;
 use glam::Vec4;
 
 use crate::gpu::{Buffer, Gpu, GpuError, Shader};
-use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid};
+use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid, half4};
 
 pub use injection::SURFACE_SHIFT;
 pub use light_injection::LIGHT_SUM_WORDS;
@@ -75,8 +75,7 @@ impl DirectLight {
 
     /// Replaces the coefficients with values from memory, one entry per cell. Not for use inside a frame.
     pub fn upload(&mut self, gpu: &Gpu, values: &[[Vec4; 3]]) {
-        let packed: Vec<_> =
-            values.iter().map(|c| c.map(|band| band.to_array().map(half::f16::from_f32))).collect();
+        let packed: Vec<_> = values.iter().map(|c| c.map(|band| half4(&band))).collect();
         gpu.queue.write_buffer(&self.sh.raw, 0, bytemuck::cast_slice(&packed));
     }
 }

@@ -94,5 +94,6 @@ pub struct InjectionScale {
     /// anew with each light.
     pub light_points: u32,
     /// Largest radiance of a sample, W/(m2 sr). Brighter samples are cut to it; a higher bound gives coarser steps.
+    /// At most 65504 counts, the largest half float.
     pub radiance_max: f32,
 }

@@ -17,7 +17,7 @@ use half::f16;
 use lumivox_core::{Grid, HostVolume};
 
 use crate::gpu::{Buffer, Gpu, GpuError, Uniform, read_buffer};
-use crate::wgsl::GridUniform;
+use crate::wgsl::{GridUniform, HALF_MAX};
 
 /// Mean normal and occupancy.
 pub const NORMAL: &str = "normal";
@@ -113,7 +113,7 @@ impl VolumeBuffer {
 
     /// Replaces the current state of a channel with values from memory, one per cell. Not for use inside a frame.
     pub fn upload(&mut self, gpu: &Gpu, name: &str, values: &[Vec4]) -> Result<(), GpuError> {
-        let packed: Vec<[f16; 4]> = values.iter().map(|v| v.to_array().map(f16::from_f32)).collect();
+        let packed: Vec<[f16; 4]> = values.iter().map(half4).collect();
         match self.channel(name) {
             Some(buffer) if buffer.size() == std::mem::size_of_val(packed.as_slice()) as u64 => {
                 gpu.queue.write_buffer(&buffer.raw, 0, bytemuck::cast_slice(&packed));
@@ -133,6 +133,11 @@ impl VolumeBuffer {
         }
         Ok(volume)
     }
+}
+
+/// Half floats; what is larger becomes the largest, as in shaders.
+pub(crate) fn half4(v: &Vec4) -> [f16; 4] {
+    v.clamp(Vec4::splat(-HALF_MAX), Vec4::splat(HALF_MAX)).to_array().map(f16::from_f32)
 }
 
 /// Refuses a grid whose cells of `cell_bytes` do not fit into one binding, and says which cubic grid would.
