@@ -83,7 +83,7 @@ fn sphere(count: u32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// The share of occupied cells that parallel rays from 14 sides meet first.
+/// The share of occupied cells that parallel rays from 14 sides meet first, and from their right side.
 fn share_seen_from_outside(grid: &Grid, cells: &[Vec4]) -> f32 {
     let occupied = cells.iter().filter(|c| c.w > 0.0).count();
     let (center, reach) = (grid.bounds().center(), 0.5 * grid.bounds().size().length());
@@ -94,7 +94,8 @@ fn share_seen_from_outside(grid: &Grid, cells: &[Vec4]) -> f32 {
         for (x, y) in (0..rays).flat_map(|y| (0..rays).map(move |x| (x, y))) {
             let at = (Vec2::new(x as f32, y as f32) + 0.5) * grid.cell_size - reach;
             let start = center + at.x * right + at.y * up - reach * direction;
-            seen.extend(first_hit(start, direction, grid, cells));
+            let hit = first_hit(start, direction, grid, cells);
+            seen.extend(hit.filter(|&index| cells[index].truncate().dot(direction) <= 0.0));
         }
     }
     seen.len() as f32 / occupied.max(1) as f32

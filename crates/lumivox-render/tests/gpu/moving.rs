@@ -19,8 +19,11 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a moving lamp moves its light", moving_lamp),
 ];
 
+/// A test that is given the folder of models.
+pub(crate) type AssetCheck = fn(&Gpu, &Path) -> Result<(), Failed>;
+
 /// Those that need models.
-pub(crate) const WITH_ASSETS: &[(&str, fn(&Gpu, &Path) -> Result<(), Failed>)] = &[
+pub(crate) const WITH_ASSETS: &[(&str, AssetCheck)] = &[
     ("a fox by a coloured wall takes its colour", |gpu, assets| fox(gpu, &assets.join("animated/Fox.glb"))),
     ("a walking man leaves no trail where a view sees the floor", |gpu, assets| {
         man(gpu, &assets.join("animated/CesiumMan.glb"))
@@ -101,8 +104,8 @@ fn moved(gpu: &Gpu, voxels: VoxelSource) -> Result<(), Failed> {
 }
 
 fn moving_lamp(gpu: &Gpu) -> Result<(), Failed> {
-    let mut scene = Scene::default();
-    scene.lights = vec![Light::Point { position: Vec3::new(-1.0, 1.0, 0.0), intensity: Vec3::splat(3.0) }];
+    let lamp = Light::Point { position: Vec3::new(-1.0, 1.0, 0.0), intensity: Vec3::splat(3.0) };
+    let mut scene = Scene { lights: vec![lamp], ..Scene::default() };
     add(&mut scene, Material::matte("floor", Vec3::ONE), &[Quad::level(Vec3::ZERO, FLOOR)]);
     let node = scene.animation.add_node(None, Transform::at(Vec3::new(-1.0, 1.0, 0.0)));
     scene.hang_light(0, node);
