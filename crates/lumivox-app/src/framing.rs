@@ -16,7 +16,7 @@ const RAYS: [u32; 2] = [64, 36];
 
 /// A scene of which this share can be seen from outside is looked at from outside, one of less than the second from inside.
 /// Between them the number of cells seen decides.
-const SHARES_SEEN: [f32; 2] = [0.6, 0.35];
+const SHARES_SEEN: [f32; 2] = [0.6, 0.45];
 /// Inside is where less than this share of all directions leads out of the scene.
 const ENCLOSED: f32 = 0.4;
 
