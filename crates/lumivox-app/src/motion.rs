@@ -1,6 +1,6 @@
 //! The scene over time: which clip moves it, and where the camera is.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use lumivox_scene::{Camera, Pose, Scene, builtin};
 
 use crate::args::{ClipArg, ShotArgs};
@@ -33,7 +33,8 @@ impl Motion {
             None if walks => Viewer::AtriumWalk,
             None if scene.cameras.is_empty() => {
                 let bounds = clip.map_or_else(|| scene.bounds(), |clip| scene.bounds_in_motion(clip));
-                Viewer::Fixed(framing::best_camera(scene, &bounds)?)
+                let best = framing::best_camera(scene, &bounds);
+                Viewer::Fixed(best.with_context(|| shot.scene.clone())?)
             }
             None => Viewer::OfScene(0),
         };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lumivox::light::LightSettings;
@@ -30,6 +30,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         None if format == Format::Gif => {
             bail!("{}: a .gif holds a series: add --frames N", args.output.display())
         }
+        None if output::numbered(&args.output, 0).is_ok() => {
+            bail!("{}: a numbered name is for a series: add --frames N", args.output.display())
+        }
         _ => args.output.clone(),
     };
     if !(0.1..=1000.0).contains(&args.fps) {
@@ -54,7 +57,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         clip: motion.clip().filter(|_| args.frames.is_some()),
         ..settings(&args.shot, &scene, args.size, args.layer.into(), args.frames.is_none())
     };
-    let mut renderer = Renderer::new(&gpu, &scene, settings)?;
+    let mut renderer = Renderer::new(&gpu, &scene, settings).with_context(|| args.shot.scene.clone())?;
     let mut work = Work::default();
     match args.frames {
         Some(count) => {

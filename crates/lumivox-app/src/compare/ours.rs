@@ -1,6 +1,6 @@
 //! What our renderer sees of the scene, layer by layer.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use glam::Vec3;
 use lumivox::gpu::Gpu;
 use lumivox_oracle::picture::Picture;
@@ -46,7 +46,7 @@ pub(crate) fn render(
     // The path tracer looks textures up at a point.
     let settings =
         Settings { filtered_textures: false, ..render::settings(shot, scene, fine, Layer::Direct, true) };
-    let mut renderer = Renderer::new(gpu, scene, settings)?;
+    let mut renderer = Renderer::new(gpu, scene, settings).with_context(|| shot.scene.clone())?;
     let mut work = Work::default();
     render::still(&mut renderer, shot.iterations, camera, Some(clock::millis), &mut work)?;
     let millis = clock::millis() - start;

@@ -9,11 +9,11 @@ use lumivox::gpu::{Gpu, GpuError, Uniform};
 use lumivox::progressive::{InjectionScale, ViewTextures};
 
 use super::Settings;
-use crate::lights::{self, LightSample, LightUniform};
+use crate::lights::{self, LightSample, LightUniform, ViewShape};
 use crate::surface::{self, HDR_FORMAT, SurfaceView};
 
-/// Views of an area light that bring attributes and clean up, spread over its samples; the others bring light alone.
-const FULL_SAMPLES: usize = 4;
+/// Samples of an area light that bring attributes and clean up, of those from above; the others bring light alone.
+const FULL_SAMPLES: usize = 8;
 
 /// All lights of the volume.
 #[derive(Debug)]
@@ -51,8 +51,16 @@ impl InjectedLights {
     }
 
     /// Writes where all views stand. Once per frame, before recording.
+    ///
+    /// Sums of light begin anew with each light, so each has steps as fine as its own brightness allows: else one bright
+    /// lamp would round a sample of the sky to nothing.
     pub(super) fn update(&mut self, gpu: &Gpu, bounds: &Bounds, scale: InjectionScale) {
         for source in &mut self.sources {
+            let bound = lights::radiance_bound([&source.sample.uniform], bounds);
+            let points: u32 = source.views.iter().map(|v| v.input.point_count()).sum();
+            let share = (bound / scale.radiance_max).min(1.0);
+            let light_points = ((points as f32 * share).ceil() as u32).max(1);
+            let scale = InjectionScale { light_points, ..scale };
             let texels = source.views.first().map_or(1, |v| v.input.textures.depth.size()[0]);
             let views = lights::light_views(&source.sample, bounds, &[], texels);
             for (target, view) in source.views.iter_mut().zip(views) {
@@ -100,7 +108,9 @@ fn sources(gpu: &Gpu, samples: &[LightSample], settings: &Settings) -> Result<Ve
             };
             views.push(SurfaceView::new(gpu, "rsm", textures, UVec2::splat(points.max(1)), nowhere));
         }
-        let is_full = !sample.is_area || n % every == 0;
+        // What comes from below would show the undersides of floors, which lie in other cells than their tops.
+        let from_above = sample.shape != ViewShape::Parallel || sample.uniform.direction.y < 0.0;
+        let is_full = !sample.is_area || (n % every == 0 && from_above);
         let uniform = Uniform::new(gpu, "render/light", &sample.uniform);
         sources.push(InjectedLight { uniform, views, is_full, sample: *sample });
     }

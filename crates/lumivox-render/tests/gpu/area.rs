@@ -10,7 +10,7 @@ use lumivox_scene::{Camera, Light, Material, Scene};
 
 use crate::Check;
 use crate::camera::{Ray, rays};
-use crate::scenes::{Quad, add, picture, radiosities, small};
+use crate::scenes::{Quad, add, block, picture, radiosities, small};
 
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a rect light on a plane is its integral", |gpu| rect_light(gpu, None)),
@@ -21,6 +21,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a roof takes its part of the sky", |gpu| sky_under_a_roof(gpu)),
     ("sixty-four lights add up in the picture", many_lights),
     ("lights add up in the volume", lights_in_the_volume),
+    ("a lamp does not swallow the sky's light", lamp_and_sky),
 ];
 
 /// sRGB 188.
@@ -227,5 +228,34 @@ fn lights_in_the_volume(gpu: &Gpu) -> Result<(), Failed> {
     assert!(expected > 1.0 && (total - expected).abs() < 0.01 * expected, "{total} {expected}");
     let strays = together.iter().zip(&apart).filter(|(a, b)| (**a - **b).abs() > 0.05 * expected / 400.0);
     assert!(strays.count() < together.len() / 100, "cells differ");
+    Ok(())
+}
+
+/// The light of a volume's cells under a near, bright lamp and a dim sky is the sum of both, on a thin floor as well as on
+/// a thick one.
+fn lamp_and_sky(gpu: &Gpu) -> Result<(), Failed> {
+    let lamp = Light::Point { position: Vec3::new(0.5, 1.0, -0.3), intensity: Vec3::splat(6.0) };
+    let thin = plane_scene(Vec::new(), None);
+    let mut thick = Scene::default();
+    let faces = block(Vec3::new(-2.0, -0.5, -2.0), Vec3::new(2.0, 0.0, 2.0));
+    add(&mut thick, Material::matte("floor", Vec3::splat(ALBEDO)), &faces);
+    for mut scene in [thin, thick] {
+        let mut total = |lights: &[Light], sky: f32| -> Result<f32, Failed> {
+            scene.lights = lights.to_vec();
+            scene.sky = Vec3::splat(sky);
+            let settings = Settings { layer: Layer::Voxels, area_maps: 32, ..small() };
+            let mut renderer = Renderer::new(gpu, &scene, settings)?;
+            renderer.set_camera(&crate::scenes::skyward());
+            renderer.frame(None)?;
+            let grid = *renderer.volume().grid();
+            let above = grid.cells().filter(|&c| grid.center(c).y > -grid.cell_size);
+            let cells = radiosities(gpu, &renderer)?;
+            Ok(above.map(|c| cells[grid.index(c)]).sum())
+        };
+        let (of_lamp, of_sky, of_both) = (total(&[lamp], 0.0)?, total(&[], 0.2)?, total(&[lamp], 0.2)?);
+        let sum = of_lamp + of_sky;
+        assert!(of_sky > 0.05 * sum && of_lamp > 0.05 * sum, "{of_lamp} {of_sky}");
+        assert!((of_both - sum).abs() < 0.03 * sum, "{of_lamp} + {of_sky} gives {of_both}");
+    }
     Ok(())
 }
