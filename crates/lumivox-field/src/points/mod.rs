@@ -1,0 +1,110 @@
+//! Sample points on the bounding sphere (dissertation 4.4.3): Slater's subdivision of an octahedron, and the way back
+//! from any point of the sphere to the samples around it.
+//!
+//! A hemisphere whose sides are divided in `m` has `2 m^2 + 2 m + 1` points, and the equator occurs in both: 82, 290,
+//! 1090, 4226 and 16642 points for `m` = 4, 8, 16, 32 and 64. (The text prints 80 for the first.) The pole is +Y.
+//! Along its sides the points are evenly spaced; seen flat, each hemisphere is a diamond `|x| + |z| <= m`, numbered row
+//! by row from `z = -m`.
+
+mod inverse;
+mod subdivision;
+
+use glam::Vec3;
+
+use crate::FieldError;
+pub use inverse::Surrounding;
+use inverse::Table;
+use subdivision::Octant;
+
+/// The numbers of points there are, both hemispheres together.
+pub const POINT_COUNTS: [u32; 5] = [82, 290, 1090, 4226, 16642];
+
+/// How many times more than in four an octant's side is halved for `count` points.
+pub(crate) fn check_count(count: u32) -> Result<usize, FieldError> {
+    POINT_COUNTS.iter().position(|&c| c == count).ok_or_else(|| FieldError::Unsupported {
+        what: "number of points",
+        given: count.to_string(),
+        allowed: "82, 290, 1090, 4226 and 16642",
+    })
+}
+
+/// Sample points on the unit sphere.
+pub struct SpherePoints {
+    octant: Octant,
+    table: Table,
+    positions: Vec<Vec3>,
+}
+
+impl SpherePoints {
+    /// `count` points.
+    ///
+    /// # Errors
+    /// [`FieldError::Unsupported`] for a number that is not one of [`POINT_COUNTS`].
+    pub fn new(count: u32) -> Result<Self, FieldError> {
+        let octant = Octant::new(4 << check_count(count)?);
+        let m = octant.divisions as i32;
+        let mut positions = Vec::with_capacity(count as usize);
+        for up in [1.0f32, -1.0] {
+            for z in -m..=m {
+                let reach = m - z.abs();
+                for x in -reach..=reach {
+                    let p = octant.corner(x.unsigned_abs(), z.unsigned_abs());
+                    // The sign of a zero height says which hemisphere an equator point belongs to.
+                    positions.push(Vec3::new(p.x.copysign(x as f32), p.y * up, p.z.copysign(z as f32)));
+                }
+            }
+        }
+        Ok(Self { table: Table::new(&octant), octant, positions })
+    }
+
+    /// Number of points.
+    pub fn count(&self) -> u32 {
+        self.positions.len() as u32
+    }
+
+    /// How often the side of an octant is divided.
+    pub fn divisions(&self) -> u32 {
+        self.octant.divisions
+    }
+
+    /// The points, unit vectors by number. Those of the lower hemisphere's equator have a height of -0.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Number of the point nearest to a direction, in constant time, by one look into a table. Where two points are
+    /// about equally near it may be the farther one, by up to a quarter of the points' spacing; each point returns itself.
+    /// The direction need not be unit; without a length it counts as the pole.
+    #[inline]
+    pub fn nearest(&self, direction: Vec3) -> u32 {
+        let [i, j] = self.table.nearest(direction.abs());
+        self.number(direction, i, j)
+    }
+
+    /// The three points of the triangle around a direction, with weights that sum to one, in constant time.
+    #[inline]
+    pub fn surrounding(&self, direction: Vec3) -> Surrounding {
+        let triangle = self.table.locate(&self.octant, direction.abs());
+        let corners = triangle.corners();
+        Surrounding {
+            points: corners.map(|[i, j]| self.number(direction, i, j)),
+            weights: triangle.weights(),
+        }
+    }
+
+    /// Number of a corner of the octant that `direction` lies in.
+    #[inline]
+    fn number(&self, direction: Vec3, i: u32, j: u32) -> u32 {
+        let m = self.octant.divisions as i32;
+        let signed = |n: u32, sign: f32| if sign.is_sign_negative() { -(n as i32) } else { n as i32 };
+        let (x, z) = (signed(i, direction.x), signed(j, direction.z));
+        let hemisphere = 2 * m * m + 2 * m + 1;
+        // Rows grow by two points up to the middle one and shrink after it, so they start at squares.
+        let row = if z <= 0 { (m + z) * (m + z) } else { hemisphere - (m - z + 1) * (m - z + 1) };
+        let lower = if direction.y.is_sign_negative() { hemisphere } else { 0 };
+        (lower + row + m - z.abs() + x) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests;
