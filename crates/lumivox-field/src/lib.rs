@@ -19,7 +19,7 @@
 //! - [`bake`]: the rays (Algorithm 1).
 //! - [`field`]: how distances are kept (4.6.1), and all maps as one 3D texture (Figure 28).
 //! - [`lookup`]: rays against a field (Algorithm 2).
-//! - [`file`]: the format `.lvf`; a bake that stopped goes on where it was.
+//! - [`mod@file`]: the format `.lvf`; a bake that stopped goes on where it was.
 //! - [`Cache`]: fields by mesh and settings.
 
 pub mod bake;

@@ -15,7 +15,7 @@ pub struct Sphere {
 /// so far from it that rounding, some 1e-7, turns them by no more than 1e-3 as seen from there.
 const MARGIN: f64 = 1e-4;
 
-/// More rounds than any mesh was seen to need (about 15); the sphere is then still around everything.
+/// Each round finds a point further out, and few are needed; should they run out, the sphere is still around everything.
 const ROUNDS: usize = 64;
 
 impl Sphere {

@@ -13,7 +13,7 @@ pub struct Frame {
 
 impl Frame {
     /// The frame of a point of the unit sphere.
-    #[inline]
+    #[inline(always)]
     pub fn at(point: Vec3) -> Self {
         let n = -point;
         let sign = 1f32.copysign(n.z);
@@ -27,7 +27,7 @@ impl Frame {
     }
 
     /// A direction of the sphere's space in this frame.
-    #[inline]
+    #[inline(always)]
     pub fn local_from_object(&self, direction: Vec3) -> Vec3 {
         Vec3::new(self.x.dot(direction), self.y.dot(direction), self.inward.dot(direction))
     }

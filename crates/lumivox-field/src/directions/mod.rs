@@ -106,7 +106,7 @@ impl Directions {
     }
 
     /// Number `s + side * t` of the texel that a local unit direction falls in; always one that is in use.
-    #[inline]
+    #[inline(always)]
     pub fn texel(&self, local: Vec3) -> u32 {
         let unit = match self.mapping {
             Mapping::Uniform => uniform::inverse(local),
@@ -125,7 +125,7 @@ fn lifted(disk: Vec2) -> Vec3 {
 }
 
 /// A direction's point in the unit disk; on its rim for one below the horizon.
-#[inline]
+#[inline(always)]
 fn flattened(local: Vec3) -> Vec2 {
     let disk = local.truncate();
     if local.z > 0.0 { disk } else { disk / disk.length().max(f32::MIN_POSITIVE) }

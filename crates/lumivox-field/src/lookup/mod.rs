@@ -1,9 +1,9 @@
 //! Looking rays up in a field on the CPU (dissertation 4.4.2, Algorithm 2): a ray is met with the bounding sphere, and
 //! the map of the nearest sample point tells the rest of its way, in constant time.
 //!
-//! One thing is not as the text has it, which adds the map's distance to that of the sphere. The map's ray starts at
-//! the sample point and not where the ray enters, up to half a spacing further or nearer *along the ray*. We count from
-//! the sample point: a wall across the ray then has its exact distance wherever the ray enters.
+//! The rest of the way is that of the map's ray, which starts at the sample point and not where the ray enters. (To count
+//! it from the sample point along the ray in place of from the entry was tried: 4.11 in place of 4.08 % of 2 R for the
+//! bunny, 3.88 in place of 3.86 for the dragon, so it is as the text has it.)
 
 mod ray;
 
@@ -52,25 +52,42 @@ impl Field {
     /// See [`Field::is_blocked`] for rays that start on the object itself.
     #[inline]
     pub fn nearest(&self, ray: &Ray) -> Option<f32> {
-        self.read(&self.aim(ray)?)
+        let aim = self.aim(ray)?;
+        aim.way.and(self.rest(&aim.at))
     }
 
     /// [`Field::nearest`] for many rays, as many as both slices hold. Faster than one by one: the maps, larger than most
     /// caches, are read for some rays at once.
     pub fn nearest_many(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
-        let mut aims = [const { None }; RAYS_AT_ONCE];
+        // Step by step for all of them: each ray's own steps wait for each other, and the next ray's too far behind.
+        let mut entries = [const { Entry::NONE }; RAYS_AT_ONCE];
+        let mut points = [0; RAYS_AT_ONCE];
+        let mut texels = [const { At::NONE }; RAYS_AT_ONCE];
+        let mut rests = [0.0; RAYS_AT_ONCE];
         for (rays, distances) in rays.chunks(RAYS_AT_ONCE).zip(distances.chunks_mut(RAYS_AT_ONCE)) {
-            aims.iter_mut().zip(rays).for_each(|(aim, ray)| *aim = self.aim(ray));
-            let found = aims.iter().take(rays.len()).map(|aim| self.read(aim.as_ref()?));
-            distances.iter_mut().zip(found).for_each(|(distance, found)| *distance = found);
+            for (entry, ray) in entries.iter_mut().zip(rays) {
+                *entry = self.entry(ray).unwrap_or(Entry::NONE);
+            }
+            for (point, entry) in points.iter_mut().zip(&entries) {
+                *point = self.points.nearest(entry.point);
+            }
+            for ((at, point), entry) in texels.iter_mut().zip(points).zip(&entries) {
+                *at = self.at(point, entry.direction);
+            }
+            for (rest, at) in rests.iter_mut().zip(&texels) {
+                *rest = self.rest(at);
+            }
+            for (((distance, _), entry), rest) in distances.iter_mut().zip(rays).zip(&entries).zip(rests) {
+                *distance = entry.way.and(rest);
+            }
         }
     }
 
     /// The same with the normal that is kept there, a unit vector of the object's space; `None` without normals too.
     pub fn nearest_with_normal(&self, ray: &Ray) -> Option<(f32, Vec3)> {
         let aim = self.aim(ray)?;
-        let normal = self.maps.normals.get(aim.at.place)?;
-        Some((self.read(&aim)?, from_octahedral(*normal)))
+        let normal = self.maps.normals.get(aim.at.texel)?;
+        Some((aim.way.and(self.rest(&aim.at))?, from_octahedral(*normal)))
     }
 
     /// The maps of the three sample points around the ray's entry, weighted by how near they are.
@@ -80,7 +97,7 @@ impl Field {
             let around = self.points.surrounding(entry.point);
             for (point, weight) in around.points.into_iter().zip(around.weights) {
                 let at = self.at(point, entry.direction);
-                if let Some(distance) = self.distance(&at).and_then(|d| entry.way.to(d + at.offset)) {
+                if let Some(distance) = entry.way.and(self.rest(&at)) {
                     blend.coverage += weight;
                     blend.distance += weight * distance;
                 }
@@ -107,17 +124,16 @@ impl Field {
             return self.nearest(ray).is_some();
         }
         let at = self.at(self.points.nearest(entry.exit), -entry.direction);
-        let Some(distance) = self.distance(&at) else { return false };
-        // Along the ray, the object lies beyond the origin.
-        -(distance + at.offset) > entry.way.origin + bias / self.sphere.radius
+        self.rest(&at) + bias / self.sphere.radius < entry.way.exit
     }
 
     /// Where a ray meets the sphere; `None` if it passes it, lies behind, or is no ray.
-    #[inline]
+    #[inline(always)]
     fn entry(&self, ray: &Ray) -> Option<Entry> {
         let Ray { origin, direction } = ray.in_unit_sphere(self.sphere);
         let length = direction.length();
-        let direction = direction / length;
+        // glam would divide three times.
+        let direction = direction * length.recip();
         // Half of the quadratic's middle term; the rest from the point nearest to the centre, which keeps the digits
         // that a squared distance of the origin would lose.
         let middle = -origin.dot(direction);
@@ -126,48 +142,44 @@ impl Field {
             return None;
         }
         let half = (1.0 - height).sqrt();
-        let way = Way { origin: -middle, entry: middle - half, length };
-        let [point, exit] = [middle - half, middle + half].map(|t| origin + t * direction);
-        (middle + half >= 0.0).then_some(Entry { direction, point, exit, way })
+        let way = Way { entry: middle - half, exit: middle + half, length };
+        let [point, exit] = [way.entry, way.exit].map(|t| origin + t * direction);
+        (way.exit >= 0.0).then_some(Entry { direction, point, exit, way })
     }
 
     /// Where a ray is to be looked up.
-    #[inline]
+    #[inline(always)]
     fn aim(&self, ray: &Ray) -> Option<Aim> {
         let entry = self.entry(ray)?;
         Some(Aim { at: self.at(self.points.nearest(entry.point), entry.direction), way: entry.way })
     }
 
-    #[inline]
-    fn read(&self, aim: &Aim) -> Option<f32> {
-        aim.way.to(self.distance(&aim.at)? + aim.at.offset)
-    }
-
     /// The texel of a direction in the map of a point.
-    #[inline]
+    #[inline(always)]
     fn at(&self, point: u32, direction: Vec3) -> At {
         let position = self.points.positions()[point as usize];
         let local = Frame::at(position).local_from_object(direction);
         let texel = self.directions.texel(local) as usize;
-        let place = point as usize * self.directions.count() as usize + texel;
-        At { point, place, cosine: local.z, offset: position.dot(direction) }
+        let texel = point as usize * self.directions.count() as usize + texel;
+        At { point, texel, cosine: local.z }
     }
 
-    /// Distance from a sample point in units of the radius.
-    #[inline]
-    fn distance(&self, &At { point, place, cosine, .. }: &At) -> Option<f32> {
-        match &self.maps.distances {
-            Distances::Byte(codes) => match codes[place] {
-                BYTE_MISS => None,
-                code => Some(f32::from(code) * (2.0 / BYTE_STEPS)),
-            },
-            Distances::Float(values) => (values[place] < 1.0).then_some(2.0 * values[place]),
-            Distances::Bit { words, depths } => {
-                let met = words[place / 32] >> (place % 32) & 1 == 1;
-                // The mean depth is that of a plane; no ray leaves the sphere on its way there.
-                met.then(|| (2.0 * depths[point as usize] / cosine).clamp(0.0, 2.0 * cosine.max(0.0)))
+    /// Distance from a sample point in units of the radius; infinite where nothing is met.
+    #[inline(always)]
+    fn rest(&self, &At { point, texel, cosine }: &At) -> f32 {
+        let (met, distance) = match &self.maps.distances {
+            Distances::Byte(codes) => {
+                (codes[texel] != BYTE_MISS, f32::from(codes[texel]) * (2.0 / BYTE_STEPS))
             }
-        }
+            Distances::Float(values) => (values[texel] < 1.0, 2.0 * values[texel]),
+            Distances::Bit { words, depths } => {
+                let met = words[texel / 32] >> (texel % 32) & 1 == 1;
+                // The mean depth is that of a plane; no ray leaves the sphere on its way there.
+                let cosine = cosine.max(f32::MIN_POSITIVE);
+                (met, (2.0 * depths[point as usize] / cosine).min(2.0 * cosine))
+            }
+        };
+        if met { distance } else { f32::INFINITY }
     }
 }
 
@@ -175,18 +187,16 @@ impl Field {
 struct At {
     point: u32,
     /// Number of the texel among those of all maps.
-    place: usize,
+    texel: usize,
     /// Of the ray with the point's inward normal.
     cosine: f32,
-    /// Where the point lies along the ray, from the centre.
-    offset: f32,
 }
 
-/// Places along a ray, from the point nearest to the centre if not said otherwise.
+/// The way of a ray through the sphere.
 struct Way {
-    origin: f32,
-    /// From the origin, where the ray enters the sphere.
+    /// Distances from the origin to where it enters and leaves, in units of the radius.
     entry: f32,
+    exit: f32,
     /// Length that the direction had.
     length: f32,
 }
@@ -197,12 +207,27 @@ struct Aim {
     way: Way,
 }
 
+impl Entry {
+    /// Of a ray that meets nothing: its way ends behind its origin.
+    const NONE: Self = Self {
+        direction: Vec3::X,
+        point: Vec3::X,
+        exit: Vec3::X,
+        way: Way { entry: f32::NEG_INFINITY, exit: f32::NEG_INFINITY, length: 1.0 },
+    };
+}
+
+impl At {
+    const NONE: Self = Self { point: 0, texel: 0, cosine: 0.0 };
+}
+
 impl Way {
-    /// The distance from the origin to a place, in lengths of the ray's first direction; `None` behind.
+    /// The distance from the origin to what lies a `rest` of the way behind the entry, in lengths of the ray's first
+    /// direction; `None` behind the origin and for an infinite rest.
     #[inline]
-    fn to(&self, place: f32) -> Option<f32> {
-        let distance = (place - self.origin).max(self.entry);
-        (distance >= 0.0).then_some(distance / self.length)
+    fn and(&self, rest: f32) -> Option<f32> {
+        let distance = self.entry + rest;
+        (0.0..f32::INFINITY).contains(&distance).then_some(distance / self.length)
     }
 }
 

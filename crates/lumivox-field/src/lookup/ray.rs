@@ -36,7 +36,7 @@ impl Ray {
     }
 
     /// The ray in the space where `sphere` is the unit sphere.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn in_unit_sphere(&self, sphere: Sphere) -> Self {
         let scale = 1.0 / sphere.radius;
         Self { origin: (self.origin - sphere.center) * scale, direction: self.direction * scale }

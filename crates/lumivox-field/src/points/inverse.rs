@@ -20,7 +20,7 @@ pub struct Surrounding {
 /// Cells along the side of the table for each division of the octant.
 const CELLS_PER_DIVISION: u32 = 8;
 
-/// More steps than any direction was seen to need (3, from 10^7 directions); what is left of the way is then ignored.
+/// Enough for every direction that the tests try; what is left of the way is then ignored.
 const STEPS: usize = 6;
 
 /// A triangle of the octant, either as the whole is (`down` is false) with the corners `(i, j)`, `(i + 1, j)` and
@@ -144,13 +144,13 @@ impl Table {
     }
 
     /// The corner nearest to the middle of a direction's cell.
-    #[inline]
+    #[inline(always)]
     pub(super) fn nearest(&self, direction: Vec3) -> [u32; 2] {
         let packed = u32::from(self.nearest[self.cell(direction)]);
         [packed & 127, packed >> 7]
     }
 
-    #[inline]
+    #[inline(always)]
     fn cell(&self, direction: Vec3) -> usize {
         let scale = self.side as f32 / (direction.x + direction.y + direction.z);
         // A conversion to integers saturates, and takes what is no number as 0.

@@ -33,6 +33,8 @@ pub struct SpherePoints {
     octant: Octant,
     table: Table,
     positions: Vec<Vec3>,
+    /// Numbers of the points with x = 0 of the upper hemisphere, from z = -m to m.
+    rows: Vec<i32>,
 }
 
 impl SpherePoints {
@@ -44,9 +46,11 @@ impl SpherePoints {
         let octant = Octant::new(4 << check_count(count)?);
         let m = octant.divisions as i32;
         let mut positions = Vec::with_capacity(count as usize);
+        let mut rows = Vec::new();
         for up in [1.0f32, -1.0] {
             for z in -m..=m {
                 let reach = m - z.abs();
+                rows.push(positions.len() as i32 + reach);
                 for x in -reach..=reach {
                     let p = octant.corner(x.unsigned_abs(), z.unsigned_abs());
                     // The sign of a zero height says which hemisphere an equator point belongs to.
@@ -54,7 +58,8 @@ impl SpherePoints {
                 }
             }
         }
-        Ok(Self { table: Table::new(&octant), octant, positions })
+        // The rows of the lower hemisphere, pushed after those of the upper, are never looked up.
+        Ok(Self { table: Table::new(&octant), octant, positions, rows })
     }
 
     /// Number of points.
@@ -75,7 +80,7 @@ impl SpherePoints {
     /// Number of the point nearest to a direction, in constant time, by one look into a table. Where two points are
     /// about equally near it may be the farther one, by up to a quarter of the points' spacing; each point returns itself.
     /// The direction need not be unit; without a length it counts as the pole.
-    #[inline]
+    #[inline(always)]
     pub fn nearest(&self, direction: Vec3) -> u32 {
         let [i, j] = self.table.nearest(direction.abs());
         self.number(direction, i, j)
@@ -93,16 +98,17 @@ impl SpherePoints {
     }
 
     /// Number of a corner of the octant that `direction` lies in.
-    #[inline]
+    #[inline(always)]
     fn number(&self, direction: Vec3, i: u32, j: u32) -> u32 {
-        let m = self.octant.divisions as i32;
-        let signed = |n: u32, sign: f32| if sign.is_sign_negative() { -(n as i32) } else { n as i32 };
+        // Signs of directions are as good as random, so nothing here may branch on them.
+        let signed = |n: u32, sign: f32| {
+            let mask = (sign.to_bits() as i32) >> 31;
+            (n as i32 ^ mask) - mask
+        };
         let (x, z) = (signed(i, direction.x), signed(j, direction.z));
-        let hemisphere = 2 * m * m + 2 * m + 1;
-        // Rows grow by two points up to the middle one and shrink after it, so they start at squares.
-        let row = if z <= 0 { (m + z) * (m + z) } else { hemisphere - (m - z + 1) * (m - z + 1) };
-        let lower = if direction.y.is_sign_negative() { hemisphere } else { 0 };
-        (lower + row + m - z.abs() + x) as u32
+        let row = self.rows[(z + self.octant.divisions as i32) as usize];
+        let lower = (direction.y.to_bits() >> 31) * (self.count() / 2);
+        (lower as i32 + row + x) as u32
     }
 }
 
