@@ -59,6 +59,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         iterations: args.iterations,
         rsm_size: 512,
         points: 400,
+        area_samples: 32,
+        area_maps: 16,
         ..Settings::default()
     };
     let bar = render::progress(2 * u64::from(args.frames), "walking");

@@ -18,7 +18,9 @@ const RAYS: [u32; 2] = [64, 36];
 /// Between them the number of cells seen decides.
 const SHARES_SEEN: [f32; 2] = [0.6, 0.45];
 /// Inside is where less than this share of all directions leads out of the scene.
-const ENCLOSED: f32 = 0.4;
+const ENCLOSED: f32 = 0.25;
+/// And where what is in the way is further away than this part of the scene's diagonal: the crown of a tree is no room.
+const ROOMY: f32 = 0.1;
 
 /// The candidate that sees the most surface, its right side first.
 pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Result<Camera, GridError> {
@@ -26,7 +28,11 @@ pub(crate) fn best_camera(scene: &Scene, bounds: &Bounds) -> Result<Camera, Grid
     let share = share_seen_from_outside(&grid, &cells);
     let fits = |c: &Camera| match c.name.as_str() {
         OUTSIDE => share >= SHARES_SEEN[1],
-        _ => share < SHARES_SEEN[0] && surroundings_in(&grid, &cells, c.eye, 100).openness < ENCLOSED,
+        _ if share < SHARES_SEEN[0] => {
+            let around = surroundings_in(&grid, &cells, c.eye, 100);
+            around.openness < ENCLOSED && around.distance > ROOMY * bounds.size().length()
+        }
+        _ => false,
     };
     // An open tangle, such as a tree, can neither be entered nor seen whole.
     let candidates = candidates(bounds);
