@@ -104,3 +104,23 @@ pub fn radiance_bound<'a>(samples: impl IntoIterator<Item = &'a LightUniform>, b
 pub(crate) fn unit(direction: Vec3) -> Vec3 {
     direction.try_normalize().unwrap_or(Vec3::NEG_Y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_have_the_same_numbers_in_the_shader() {
+        for (name, number) in [
+            ("LIGHT_DIRECTIONAL", LIGHT_DIRECTIONAL),
+            ("LIGHT_POINT", LIGHT_POINT),
+            ("LIGHT_SPOT", LIGHT_SPOT),
+            ("LIGHT_SPOT_GLTF", LIGHT_SPOT_GLTF),
+            ("LIGHT_SKY", LIGHT_SKY),
+            ("LIGHT_RECT", LIGHT_RECT),
+        ] {
+            let line = format!("const {name}: u32 = {number}u;");
+            assert!(LIGHTS.lines().any(|l| l == line), "{line}");
+        }
+    }
+}
