@@ -23,6 +23,8 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     /// Render one picture of a scene, or a series.
     Render(RenderArgs),
+    /// Turn meshes into voxel volumes: occupancy, colours, normals, in the format of your tool.
+    Voxelize(crate::voxelize::VoxelizeArgs),
     /// Hold our light against a path tracer's, or another renderer's: errors, pictures, differences.
     Compare(crate::compare::CompareArgs),
     /// Show the adapters, their tier and limits, and the largest grids that fit.
@@ -323,7 +325,7 @@ impl FromStr for SunArg {
     }
 }
 
-fn triple(text: &str) -> Result<Vec3> {
+pub(crate) fn triple(text: &str) -> Result<Vec3> {
     let values = text.split(',').map(number).collect::<Result<Vec<_>>>()?;
     match values.as_slice() {
         &[x, y, z] => Ok(Vec3::new(x, y, z)),

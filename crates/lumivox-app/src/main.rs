@@ -14,6 +14,7 @@ mod part_file;
 mod render;
 mod sheet;
 mod stats;
+mod voxelize;
 
 use std::process::ExitCode;
 
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     let result = match &arguments.command {
         args::Command::Demo(demo) => demo::run(demo),
         args::Command::Render(render) => render::run(render),
+        args::Command::Voxelize(voxelize) => voxelize::run(voxelize),
         args::Command::Compare(compare) => compare::run(compare),
         args::Command::Info(info) => info::run(info),
     };

@@ -26,7 +26,7 @@ impl Motion {
     /// The clip of the command line, else the first; the camera of the command line, else the scene's first, else one that
     /// shows the most of all that happens. In a series the atrium is walked through.
     pub(crate) fn new(scene: &Scene, shot: &ShotArgs, series: bool) -> Result<Self> {
-        let clip = chosen_clip(scene, shot)?;
+        let clip = chosen_clip(scene, &shot.scene, shot.clip.as_ref())?;
         let walks = shot.scene.starts_with("builtin:atrium") && (series || shot.time != 0.0);
         let viewer = match shot.camera {
             Some(camera) => Viewer::Fixed(camera.into()),
@@ -60,9 +60,9 @@ impl Motion {
 }
 
 /// A clip by name or number; the first if none is asked for.
-fn chosen_clip(scene: &Scene, shot: &ShotArgs) -> Result<Option<usize>> {
+pub(crate) fn chosen_clip(scene: &Scene, name: &str, clip: Option<&ClipArg>) -> Result<Option<usize>> {
     let clips = scene.clips();
-    let Some(ClipArg(wanted)) = &shot.clip else { return Ok((!clips.is_empty()).then_some(0)) };
+    let Some(ClipArg(wanted)) = clip else { return Ok((!clips.is_empty()).then_some(0)) };
     if wanted == "none" {
         return Ok(None);
     }
@@ -71,7 +71,7 @@ fn chosen_clip(scene: &Scene, shot: &ShotArgs) -> Result<Option<usize>> {
     if found.is_none() {
         let known: Vec<&str> = clips.iter().map(|c| c.name.as_str()).collect();
         match known.as_slice() {
-            [] => bail!("there is no clip {wanted:?}: {} does not move", shot.scene),
+            [] => bail!("there is no clip {wanted:?}: {name} does not move"),
             known => {
                 bail!("there is no clip {wanted:?}; known are {}, 0 to {}", known.join(", "), known.len() - 1)
             }

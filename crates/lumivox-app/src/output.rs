@@ -66,16 +66,19 @@ pub(crate) fn prepare(path: &Path) -> Result<()> {
     PartFile::check(path).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Refuses to write two of the outputs into one file, or any of them over the scene that is read.
-pub(crate) fn check_apart(scene: &str, outputs: &[&Path]) -> Result<()> {
-    let mut taken = vec![place(Path::new(scene))];
+/// Refuses to write two of the outputs into one file, or any of them over a scene that is read.
+pub(crate) fn check_apart(scenes: &[&str], outputs: &[&Path]) -> Result<()> {
+    let scenes: Vec<PathBuf> = scenes.iter().map(|scene| place(Path::new(scene))).collect();
+    let mut taken = Vec::new();
     for output in outputs {
         let place = place(output);
-        match taken.iter().position(|t| *t == place) {
-            Some(0) => bail!("{}: the scene would be overwritten", output.display()),
-            Some(_) => bail!("{}: the picture and its statistics cannot be one file", output.display()),
-            None => taken.push(place),
+        if scenes.contains(&place) {
+            bail!("{}: the scene would be overwritten", output.display());
         }
+        if taken.contains(&place) {
+            bail!("{}: two outputs cannot be one file", output.display());
+        }
+        taken.push(place);
     }
     Ok(())
 }

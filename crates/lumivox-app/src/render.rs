@@ -44,7 +44,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     check(&args.shot)?;
     let outputs: Vec<&Path> = [Some(first.as_path()), args.stats.as_deref()].into_iter().flatten().collect();
     outputs.iter().try_for_each(|path| output::prepare(path))?;
-    output::check_apart(&args.shot.scene, &outputs)?;
+    output::check_apart(&[&args.shot.scene], &outputs)?;
     let start = clock::millis();
     let mut scene = load(&args.shot)?;
     let load_ms = clock::millis() - start;

@@ -14,8 +14,9 @@ pub enum VoxelizeError {
     Empty,
     /// A cell size that is not positive, or so small that the box needs too many cells.
     #[error(
-        "a cell size of {cell_size} m cuts the box {} .. {} into more than {} cells a side, or none",
-        bounds.min, bounds.max, Grid::MAX_SIDE
+        "a cell size of {cell_size} m cuts the box {} .. {} into more than {} cells a side, or none; the smallest that would fit \
+         is {} m",
+        bounds.min, bounds.max, Grid::MAX_SIDE, bounds.size().max_element() / Grid::MAX_SIDE as f32
     )]
     CellSize {
         /// The cell size in metres.
@@ -45,21 +46,34 @@ pub enum VoxelizeError {
         /// Its triangles.
         found: usize,
     },
-    /// The volume would take more memory than allowed.
+    /// The volume would take more memory than allowed. Found out before the work where that can be known.
     #[error(
-        "a grid of {} x {} x {} cells takes more than the {limit} bytes that are allowed ({reached} with part of it done); \
-         take fewer cells or channels, or allow more",
-        dims.x, dims.y, dims.z
+        "a grid of {} x {} x {} cells takes {} of memory or more, and {} are allowed; {}",
+        dims.x, dims.y, dims.z, bytes(*needed), bytes(*limit), way_out(*largest)
     )]
     TooLarge {
         /// Cells along the axes.
         dims: UVec3,
-        /// Bytes in use when it was given up.
-        reached: u64,
+        /// Bytes that it takes, as far as known.
+        needed: u64,
         /// Bytes allowed.
         limit: u64,
+        /// Cells along the longest axis that would fit, about.
+        largest: Option<u32>,
     },
     /// The progress callback asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+fn bytes(bytes: u64) -> String {
+    const MIB: f64 = (1u64 << 20) as f64;
+    format!("{:.1} MiB", bytes as f64 / MIB)
+}
+
+fn way_out(largest: Option<u32>) -> String {
+    match largest {
+        Some(cells) => format!("about {cells} cells along the longest axis would fit"),
+        None => "take fewer cells or channels, or allow more".to_owned(),
+    }
 }

@@ -264,8 +264,13 @@ impl<'a> Job<'a> {
     pub(crate) fn check_bytes(&self, more: usize) -> Result<(), VoxelizeError> {
         let reached = self.finished_bytes.load(Ordering::Relaxed) + more as u64;
         if reached > self.memory_limit() {
-            return Err(VoxelizeError::TooLarge { dims: self.dims(), reached, limit: self.memory_limit() });
+            return Err(self.too_large(reached));
         }
         Ok(())
+    }
+
+    /// The error that so many bytes are too many.
+    pub(crate) fn too_large(&self, needed: u64) -> VoxelizeError {
+        VoxelizeError::TooLarge { dims: self.dims(), needed, limit: self.memory_limit(), largest: None }
     }
 }

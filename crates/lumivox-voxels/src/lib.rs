@@ -38,6 +38,7 @@ mod fragment;
 mod job;
 mod model;
 mod options;
+mod plan;
 mod report;
 mod sparse;
 mod surface;

@@ -4,8 +4,10 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use lumivox_core::{Bounds, TriangleView};
 use rayon::prelude::*;
 
-/// A texture: linear colour and opacity at texture coordinates, whatever they are; wrapping is its own affair.
-pub type TextureFn<'a> = dyn Fn(Vec2) -> Vec4 + Sync + 'a;
+/// A texture: linear colour and opacity around texture coordinates, whatever they are; wrapping is its own affair. The second
+/// argument is the area in texture coordinates that the answer stands for, so that a texture finer than the cells can be
+/// averaged over it.
+pub type TextureFn<'a> = dyn Fn(Vec2, f32) -> Vec4 + Sync + 'a;
 
 /// A surface: linear values, multiplied by textures and vertex colours.
 #[derive(Clone, Copy)]

@@ -124,6 +124,7 @@ impl<'a> Face<'a> {
                 position: Vec3::ZERO,
                 normal: self.normal,
                 uv: Vec2::ZERO,
+                uv_area: 0.0,
                 color: self.material.base_color,
                 emission: self.material.emission,
                 area: 0.0,
@@ -153,10 +154,15 @@ impl<'a> Face<'a> {
         let side = f64::from(job.grid.cell_size);
         let indices = self.view.triangles.indices[self.number as usize].map(|i| i as usize);
         let weights = barycentric(triangle, piece.point).as_vec3();
-        let uv = self
-            .view
-            .uvs
-            .map_or(Vec2::ZERO, |uvs| (0..3).map(|i| weights[i] * Vec2::from_array(uvs[indices[i]])).sum());
+        let uvs = self.view.uvs.map_or([Vec2::ZERO; 3], |uvs| indices.map(|i| Vec2::from_array(uvs[i])));
+        let uv = (0..3).map(|i| weights[i] * uvs[i]).sum();
+        let whole = triangle.normal().length();
+        let uv_area = if whole > 0.0 {
+            // Both areas are twice too large.
+            (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]).abs() * (piece.area / whole) as f32
+        } else {
+            0.0
+        };
         let vertex_color = self.view.colors.map_or(Vec4::ONE, |colors| {
             (0..3).map(|i| weights[i] * Vec4::from_array(colors[indices[i]])).sum()
         });
@@ -164,11 +170,14 @@ impl<'a> Face<'a> {
             let local: Vec3 = (0..3).map(|i| weights[i] * Vec3::from_array(normals[indices[i]])).sum();
             unit((self.placed.normal_from_local * local).as_dvec3())
         });
-        let texel = |texture: Option<&crate::TextureFn<'_>>| texture.map_or(Vec4::ONE, |texture| texture(uv));
+        let texel = |texture: Option<&crate::TextureFn<'_>>| {
+            texture.map_or(Vec4::ONE, |texture| texture(uv, uv_area))
+        };
         SurfacePoint {
             position: job.world_from_grid(piece.point).as_vec3(),
             normal: if normal == Vec3::ZERO { self.normal } else { normal },
             uv,
+            uv_area,
             color: self.material.base_color * texel(self.material.base_color_texture) * vertex_color,
             emission: self.material.emission * texel(self.material.emission_texture).truncate(),
             area: (piece.area * side * side) as f32,

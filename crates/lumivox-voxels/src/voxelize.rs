@@ -12,6 +12,7 @@ use crate::coverage::CellBox;
 use crate::fill;
 use crate::job::{Chunk, Job};
 use crate::options::{Stage, VoxelizeOptions};
+use crate::plan;
 use crate::sparse::{BrickSet, ChannelData, Mask, SIDE, brick_of, bricks_along};
 use crate::{Model, SparseVolume, VoxelizeError, VoxelizeReport};
 
@@ -48,6 +49,7 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
         return Err(VoxelizeError::Empty);
     }
     let grid = options.grid.fit(&bounds)?;
+    plan::check(model, options, &grid)?;
     let job = Job::new(model, options, grid)?;
     let mut report = VoxelizeReport { triangles: job.triangle_count(), ..VoxelizeReport::default() };
     let mut all = Packet::new(&job);
@@ -120,8 +122,7 @@ fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> 
     }
     let middle = (bricks.low.z + bricks.high.z) / 2;
     if middle == bricks.high.z {
-        let reached = 12 * pairs.load(Ordering::Relaxed);
-        return Err(VoxelizeError::TooLarge { dims: job.dims(), reached, limit: job.memory_limit() });
+        return Err(job.too_large(4 * 12 * pairs.load(Ordering::Relaxed)));
     }
     let lower = CellBox { high: bricks.high.with_z(middle), ..*bricks };
     let upper = CellBox { low: bricks.low.with_z(middle + 1), ..*bricks };

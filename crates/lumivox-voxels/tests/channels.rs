@@ -122,7 +122,7 @@ fn textures_vertex_colours_and_emission_multiply() {
     let soup = Soup::of([corners]);
     let uvs = corners.map(|p| [p.x / 16.0, p.z / 16.0]);
     let colors = [[1.0, 0.5, 1.0, 1.0]; 3];
-    let ramp = |uv: Vec2| Vec4::new(uv.x, 1.0, uv.y, 1.0);
+    let ramp = |uv: Vec2, _: f32| Vec4::new(uv.x, 1.0, uv.y, 1.0);
     let material = Material {
         base_color: Vec4::new(1.0, 1.0, 0.5, 1.0),
         base_color_texture: Some(&ramp),
@@ -149,12 +149,28 @@ fn textures_vertex_colours_and_emission_multiply() {
     ));
 }
 
+/// The areas that textures are asked about add up to the area of the triangle in the texture.
+#[test]
+fn textures_are_told_how_much_of_them_is_meant() {
+    let soup = Soup::of([[Vec3::new(0.3, 1.2, 0.1), Vec3::new(15.0, 2.5, 3.0), Vec3::new(4.0, 9.0, 15.5)]]);
+    let uvs = [[0.25, 0.5], [2.0, 0.75], [-1.0, 3.5]];
+    let mesh = MeshView { uvs: Some(&uvs), ..MeshView::new(soup.view()) };
+    let model = Model { meshes: vec![mesh], materials: vec![] };
+    let channel =
+        || Channel::custom("uv", 1, |s| [s.uv_area, 0.0, 0.0, 0.0]).rule(Rule::Sum).format(Format::F32);
+    let volume = run(&model, 16, Coverage::Exact, vec![channel()]);
+    let sum: f32 = volume.cells().map(|cell| volume.value("uv", cell).unwrap().x).sum();
+    let [a, b, c] = uvs.map(Vec2::from);
+    assert!((sum - 0.5 * (b - a).perp_dot(c - a).abs()).abs() < 1e-4, "{sum}");
+}
+
 #[test]
 fn holes_of_a_mask_mark_nothing() {
     let soup = cuboid(Vec3::new(0.01, 3.4, 0.02), Vec3::new(7.97, 3.6, 7.98));
     let uvs: Vec<[f32; 2]> = soup.positions.iter().map(|p| [p[0], p[2]]).collect();
     // Stripes of one cell.
-    let stripes = |uv: Vec2| Vec4::new(1.0, 1.0, 1.0, if uv.x.rem_euclid(2.0) < 1.0 { 1.0 } else { 0.2 });
+    let stripes =
+        |uv: Vec2, _: f32| Vec4::new(1.0, 1.0, 1.0, if uv.x.rem_euclid(2.0) < 1.0 { 1.0 } else { 0.2 });
     let material =
         Material { base_color_texture: Some(&stripes), alpha_cutoff: Some(0.5), ..Material::default() };
     let mesh = MeshView { uvs: Some(&uvs), ..MeshView::new(soup.view()) };

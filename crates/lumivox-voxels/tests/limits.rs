@@ -157,3 +157,35 @@ fn memory_follows_the_surface_and_not_the_box() {
     assert!(volume.len() > 10_000_000);
     assert!(volume.bytes() < 32 << 20, "{}", volume.bytes());
 }
+
+/// What will not fit is refused before the work, with a size that does fit.
+#[test]
+fn too_much_is_refused_with_numbers_that_hold() {
+    let soup = sphere(1.0, 4);
+    let model = Model::from(soup.view());
+    for (channels, solid) in
+        [(vec![], false), (vec![Channel::albedo(), Channel::normal()], false), (vec![], true)]
+    {
+        let mut options = VoxelizeOptions {
+            channels,
+            solid,
+            memory_limit: 8 << 20,
+            progress: Some(&|_| panic!("work was begun")),
+            ..VoxelizeOptions::resolution(1024)
+        };
+        let VoxelizeError::TooLarge { dims, needed, limit, largest } =
+            voxelize(&model, &options).unwrap_err()
+        else {
+            panic!("refused for another reason");
+        };
+        assert_eq!((dims, limit), (UVec3::splat(1024), 8 << 20));
+        let largest = largest.unwrap();
+        assert!((200..1024).contains(&largest), "{largest}");
+        (options.memory_limit, options.progress) = (u64::MAX, None);
+        let truth = voxelize(&model, &options).unwrap().bytes() as f64;
+        assert!((0.8..1.25).contains(&(needed as f64 / truth)), "{needed} {truth}");
+        options.grid = GridSpec::Resolution(largest);
+        let fitting = voxelize(&model, &options).unwrap().bytes() as f64 / f64::from(8 << 20);
+        assert!((0.7..1.25).contains(&fitting), "{fitting}");
+    }
+}

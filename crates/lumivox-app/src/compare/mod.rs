@@ -35,7 +35,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     output::prepare(&json)?;
     if let Some(stats) = &args.stats {
         output::prepare(stats)?;
-        output::check_apart(&args.shot.scene, &[stats])?;
+        output::check_apart(&[&args.shot.scene], &[stats])?;
     }
     let start = clock::millis();
     let files = args.reference.as_deref().map(Files::read).transpose()?;

@@ -139,13 +139,14 @@ fn single(
         scene.report.skipped_primitives += 1;
         return Ok(scene);
     }
-    scene.materials.push(default_material());
+    scene.materials.push(default_material(!raw.colors.is_empty()));
     scene.meshes.push(raw.into_mesh(shading, &mut scene.report));
     Ok(scene)
 }
 
-fn default_material() -> Material {
-    Material::matte("default", Vec3::splat(DEFAULT_ALBEDO))
+/// The surface of a file that names none; where vertices have colours, these alone count.
+fn default_material(has_colors: bool) -> Material {
+    Material::matte("default", Vec3::splat(if has_colors { 1.0 } else { DEFAULT_ALBEDO }))
 }
 
 /// Cuts a polygon into triangles around its first corner; fewer than three corners make none.

@@ -41,7 +41,7 @@ pub(super) fn import(
         scene.meshes.push(raw.into_mesh(shading, &mut scene.report));
     }
     if scene.meshes.iter().any(|m| m.material == fallback) {
-        scene.materials.push(default_material());
+        scene.materials.push(default_material(!lists.colors.is_empty()));
     }
     Ok(scene)
 }
@@ -306,7 +306,7 @@ mod tests {
         assert!(mesh.normals.iter().all(|n| *n == [0.0, 0.0, 1.0]));
         assert_eq!((mesh.colors[0], mesh.colors[1]), ([1.0; 4], [1.0, 0.0, 0.0, 1.0]));
         assert_eq!((scene.report.repaired_normals, scene.report.skipped_primitives), (2, 2));
-        assert_eq!(scene.materials, [default_material()]);
+        assert_eq!(scene.materials, [default_material(true)]);
     }
 
     #[test]

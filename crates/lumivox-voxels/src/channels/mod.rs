@@ -21,6 +21,8 @@ pub struct SurfacePoint {
     pub normal: Vec3,
     /// Texture coordinates; zero if the mesh has none.
     pub uv: Vec2,
+    /// Area of the piece in texture coordinates.
+    pub uv_area: f32,
     /// Colour and opacity of the surface, linear: the material's times its texture times the vertex colour.
     pub color: Vec4,
     /// Emitted radiance: the material's times its texture.

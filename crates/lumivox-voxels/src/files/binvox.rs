@@ -9,21 +9,27 @@ use std::path::Path;
 
 use glam::UVec3;
 
-use super::{FileError, FileReport, create, left_out};
+use super::{FileError, FileFormat, FileReport, Place, create, left_out};
 use crate::SparseVolume;
 use crate::sparse::SIDE;
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
-    create(path, |out| {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
+    create(place, path, |out| {
         let grid = volume.grid();
         let side = grid.dims.max_element();
         let [x, y, z] = grid.origin.to_array();
         writeln!(out, "#binvox 1\ndim {side} {side} {side}\ntranslate {x:?} {y:?} {z:?}")?;
         writeln!(out, "scale {:?}\ndata", f64::from(grid.cell_size) * f64::from(side))?;
-        let mut runs = Runs { out, value: 0, length: 0 };
+        let mut runs = Runs { out, value: false, length: 0 };
         let mut columns: Vec<Vec<(UVec3, _)>> = vec![Vec::new(); side.div_ceil(SIDE) as usize];
         volume.bricks().for_each(|(brick, mask)| columns[brick.x as usize].push((brick, mask)));
-        let mut plane = vec![0u8; (side * side) as usize];
+        // A bit per cell of one x, each z a row of words with y along it.
+        let words = side.div_ceil(u64::BITS) as usize;
+        let mut plane = vec![0u64; words * side as usize];
         for x in 0..side {
             plane.fill(0);
             for (brick, mask) in &columns[(x / SIDE) as usize] {
@@ -32,39 +38,59 @@ pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, Fi
                     let mut row = layer >> (x % SIDE) & 0x0101_0101_0101_0101;
                     while row != 0 {
                         let y = brick.y * SIDE + row.trailing_zeros() / SIDE;
-                        plane[(y + side * (brick.z * SIDE + z as u32)) as usize] = 1;
+                        let word = words * (brick.z as usize * SIDE as usize + z) + (y / u64::BITS) as usize;
+                        plane[word] |= 1 << (y % u64::BITS);
                         row &= row - 1;
                     }
                 }
             }
-            plane.iter().try_for_each(|&value| runs.push(value))?;
+            for row in plane.chunks_exact(words) {
+                for (n, &word) in row.iter().enumerate() {
+                    runs.push_bits(word, u64::BITS.min(side - n as u32 * u64::BITS))?;
+                }
+            }
         }
-        runs.finish()
+        runs.write()
     })?;
-    Ok(FileReport { files: vec![path.to_owned()], left_out: left_out(volume, &[]), ..FileReport::default() })
+    Ok(FileReport {
+        files: vec![path.to_owned()],
+        left_out: left_out(FileFormat::Binvox, volume),
+        ..FileReport::default()
+    })
 }
 
 /// Pairs of a value and how often it comes, up to 255 times.
 struct Runs<W> {
     out: W,
-    value: u8,
-    length: u8,
+    value: bool,
+    length: u64,
 }
 
 impl<W: Write> Runs<W> {
-    fn push(&mut self, value: u8) -> io::Result<()> {
-        if value == self.value && self.length < u8::MAX {
-            self.length += 1;
-            return Ok(());
+    /// The lowest `count` bits, the lowest first.
+    fn push_bits(&mut self, bits: u64, count: u32) -> io::Result<()> {
+        let mut left = count;
+        while left > 0 {
+            let rest = bits >> (count - left);
+            let value = rest & 1 == 1;
+            let same = if value { rest.trailing_ones() } else { rest.trailing_zeros() }.min(left);
+            if value != self.value {
+                self.write()?;
+                (self.value, self.length) = (value, 0);
+            }
+            self.length += u64::from(same);
+            left -= same;
         }
-        if self.length > 0 {
-            self.out.write_all(&[self.value, self.length])?;
-        }
-        (self.value, self.length) = (value, 1);
         Ok(())
     }
 
-    fn finish(mut self) -> io::Result<()> {
-        if self.length > 0 { self.out.write_all(&[self.value, self.length]) } else { Ok(()) }
+    fn write(&mut self) -> io::Result<()> {
+        const LONGEST: u64 = u8::MAX as u64;
+        while self.length > 0 {
+            let length = self.length.min(LONGEST);
+            self.out.write_all(&[u8::from(self.value), length as u8])?;
+            self.length -= length;
+        }
+        Ok(())
     }
 }

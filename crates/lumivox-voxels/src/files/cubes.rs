@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::{IVec3, UVec3, Vec3};
 
 use super::ply::{Attributes, check_count, grid_comments};
-use super::{FileError, FileReport, create};
+use super::{FileError, FileReport, Place, create};
 use crate::SparseVolume;
 
 /// Directions of the faces, each with its corners around a cell.
@@ -21,11 +21,15 @@ const FACES: [([i32; 3], [[u32; 3]; 4]); 6] = [
     ([0, 0, 1], [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]),
 ];
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
     let faces: u64 = volume.cells().map(|cell| open_faces(volume, cell).count() as u64).sum();
     check_count(path, "corners", 4 * faces)?;
     let grid = volume.grid();
-    create(path, |out| {
+    create(place, path, |out| {
         use std::io::Write;
         let attributes = Attributes::new(volume);
         writeln!(out, "ply\nformat binary_little_endian 1.0")?;

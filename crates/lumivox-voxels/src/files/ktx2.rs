@@ -9,7 +9,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::{FileError, FileReport, beside, create, layers};
+use super::{FileError, FileReport, Place, create, format::beside, layers};
 use crate::{ChannelData, Format, SparseVolume};
 
 const MAGIC: [u8; 12] = [0xab, b'K', b'T', b'X', b' ', b'2', b'0', 0xbb, b'\r', b'\n', 0x1a, b'\n'];
@@ -18,8 +18,12 @@ const HEADER: u32 = 80 + 24;
 /// Texels start at a multiple of their size; 16 suits all of them.
 const ALIGNMENT: u32 = 16;
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
-    create(path, |out| {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
+    create(place, path, |out| {
         head(out, volume, None, Format::U8, 1)?;
         layers::occupancy(volume, 255, out)
     })?;
@@ -27,7 +31,7 @@ pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, Fi
     for channel in volume.channels() {
         let own = beside(path, channel.name(), "ktx2");
         let added = usize::from(channel.components() == 3);
-        create(&own, |out| {
+        create(place, &own, |out| {
             let components = channel.components() + added;
             head(out, volume, Some(channel), channel.values().format(), components)?;
             layers::channel(volume, channel, added, out)

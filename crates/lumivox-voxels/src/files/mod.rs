@@ -16,60 +16,26 @@
 
 mod binvox;
 mod cubes;
+mod format;
 mod ktx2;
 mod layers;
 mod nhdr;
 mod npz;
 mod palette;
+mod place;
 mod ply;
 mod vdb;
 mod vox;
 mod zip;
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+pub use format::FileFormat;
 pub use palette::srgb_from_linear;
+pub use place::{Output, Place};
+use place::{Renamed, create};
 
-use crate::SparseVolume;
-
-/// A file format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileFormat {
-    /// NumPy arrays in a zip file.
-    Npz,
-    /// NRRD with raw files beside it.
-    Nhdr,
-    /// Khronos textures.
-    Ktx2,
-    /// OpenVDB.
-    Vdb,
-    /// Stanford PLY with a point per cell.
-    PlyPoints,
-    /// Stanford PLY with the outer faces of the cells.
-    PlyCubes,
-    /// MagicaVoxel.
-    Vox,
-    /// Run-length encoded occupancy.
-    Binvox,
-}
-
-impl FileFormat {
-    /// The format of a file's name, by its end; points for `.ply`.
-    pub fn of_path(path: &Path) -> Option<Self> {
-        Some(match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "npz" => Self::Npz,
-            "nhdr" => Self::Nhdr,
-            "ktx2" => Self::Ktx2,
-            "vdb" => Self::Vdb,
-            "ply" => Self::PlyPoints,
-            "vox" => Self::Vox,
-            "binvox" => Self::Binvox,
-            _ => return None,
-        })
-    }
-}
+use crate::{ChannelData, SparseVolume};
 
 /// Why a file was not written.
 #[derive(Debug, thiserror::Error)]
@@ -108,51 +74,34 @@ pub struct FileReport {
 /// # Errors
 /// If the format cannot hold the volume or the system refuses.
 pub fn write(path: &Path, format: FileFormat, volume: &SparseVolume) -> Result<FileReport, FileError> {
+    write_into(&mut Renamed, path, format, volume)
+}
+
+/// As [`write`], for a program with a way of its own to make files.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_into(
+    place: &mut dyn Place,
+    path: &Path,
+    format: FileFormat,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
+    format.check(path, volume.grid())?;
     match format {
-        FileFormat::Npz => npz::write(path, volume),
-        FileFormat::Nhdr => nhdr::write(path, volume),
-        FileFormat::Ktx2 => ktx2::write(path, volume),
-        FileFormat::Vdb => vdb::write(path, volume),
-        FileFormat::PlyPoints => ply::write(path, volume),
-        FileFormat::PlyCubes => cubes::write(path, volume),
-        FileFormat::Vox => vox::write(path, volume),
-        FileFormat::Binvox => binvox::write(path, volume),
+        FileFormat::Npz => npz::write(place, path, volume),
+        FileFormat::Nhdr => nhdr::write(place, path, volume),
+        FileFormat::Ktx2 => ktx2::write(place, path, volume),
+        FileFormat::Vdb => vdb::write(place, path, volume),
+        FileFormat::PlyPoints => ply::write(place, path, volume),
+        FileFormat::PlyCubes => cubes::write(place, path, volume),
+        FileFormat::Vox => vox::write(place, path, volume),
+        FileFormat::Binvox => binvox::write(place, path, volume),
     }
 }
 
-/// Creates a file, lets `body` fill it, and gives it its name.
-fn create(
-    path: &Path,
-    body: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
-) -> Result<(), FileError> {
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
-    let part = PathBuf::from(part);
-    let fill = || {
-        let mut file = BufWriter::with_capacity(1 << 18, File::create(&part)?);
-        body(&mut file)?;
-        file.flush()?;
-        drop(file);
-        std::fs::rename(&part, path)
-    };
-    fill().map_err(|source| {
-        // What is left of it is of no use; that it cannot be removed is no news.
-        let _ = std::fs::remove_file(&part);
-        FileError::Io { path: path.to_owned(), source }
-    })
-}
-
-/// `model.nhdr` and `albedo` to `model.albedo.nhdr`.
-fn beside(path: &Path, channel: &str, extension: &str) -> PathBuf {
-    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    // A channel's name may hold anything; in a file's name only what all systems take.
-    let safe = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' };
-    let channel: String = channel.chars().map(safe).collect();
-    path.with_file_name(format!("{stem}.{channel}.{extension}"))
-}
-
-/// Names of all channels but `kept`.
-fn left_out(volume: &SparseVolume, kept: &[&str]) -> Vec<String> {
-    let names = volume.channels().iter().map(|channel| channel.name());
-    names.filter(|name| !kept.contains(name)).map(str::to_owned).collect()
+/// Channels that a format has no place for.
+fn left_out(format: FileFormat, volume: &SparseVolume) -> Vec<String> {
+    let names = volume.channels().iter().map(ChannelData::name);
+    names.filter(|name| !format.holds(name)).map(str::to_owned).collect()
 }

@@ -6,28 +6,38 @@
 //! grid's corner.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::{FileError, FileReport, beside, create, layers};
+use super::{FileError, FileReport, Place, create, format::beside, layers};
 use crate::{ChannelData, Format, SparseVolume};
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
     let mut files = Vec::new();
-    let raw = path.with_extension("raw");
-    create(&raw, |out| layers::occupancy(volume, 1, out))?;
-    header(path, &raw, volume, None)?;
+    let raw = raw(path);
+    create(place, &raw, |out| layers::occupancy(volume, 1, out))?;
+    header(place, path, &raw, volume, None)?;
     files.extend([path.to_owned(), raw]);
     for channel in volume.channels() {
         let raw = beside(path, channel.name(), "raw");
         let own = beside(path, channel.name(), "nhdr");
-        create(&raw, |out| layers::channel(volume, channel, 0, out))?;
-        header(&own, &raw, volume, Some(channel))?;
+        create(place, &raw, |out| layers::channel(volume, channel, 0, out))?;
+        header(place, &own, &raw, volume, Some(channel))?;
         files.extend([own, raw]);
     }
     Ok(FileReport { files, ..FileReport::default() })
 }
 
+/// The data of occupancy.
+pub(super) fn raw(path: &Path) -> PathBuf {
+    path.with_extension("raw")
+}
+
 fn header(
+    place: &mut dyn Place,
     path: &Path,
     raw: &Path,
     volume: &SparseVolume,
@@ -49,7 +59,7 @@ fn header(
         }
     };
     let data = raw.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    create(path, |out| {
+    create(place, path, |out| {
         writeln!(out, "NRRD0005")?;
         writeln!(out, "# Voxels of the channel {name}")?;
         writeln!(out, "type: {kind}")?;

@@ -10,11 +10,15 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::zip::Zip;
-use super::{FileError, FileReport, create, layers};
+use super::{FileError, FileReport, Place, create, layers};
 use crate::{Format, SparseVolume};
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
-    create(path, |out| {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
+    create(place, path, |out| {
         let mut zip = Zip::new(out);
         let grid = volume.grid();
         let n = grid.dims;

@@ -7,12 +7,16 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::{FileError, FileReport, create, srgb_from_linear};
+use super::{FileError, FileReport, Place, create, srgb_from_linear};
 use crate::{ChannelData, SparseVolume};
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
     check_count(path, "points", volume.len())?;
-    create(path, |out| {
+    create(place, path, |out| {
         let attributes = Attributes::new(volume);
         writeln!(out, "ply\nformat binary_little_endian 1.0")?;
         grid_comments(out, volume)?;

@@ -13,7 +13,7 @@ use std::path::Path;
 
 use glam::{DVec3, UVec3, Vec4};
 
-use super::{FileError, FileReport, create};
+use super::{FileError, FileReport, Place, create};
 use crate::sparse::{Mask, SIDE};
 use crate::{ChannelData, SparseVolume};
 
@@ -29,7 +29,11 @@ const ONLY_ACTIVE: u8 = 0;
 const LOWER: u32 = 4;
 const UPPER: u32 = 5;
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
     let mut grids = vec![Field { name: "density".to_owned(), values: None, first: 0, count: 1 }];
     for channel in volume.channels() {
         let name = channel.name().to_owned();
@@ -39,7 +43,7 @@ pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, Fi
             grids.push(Field { name: format!("{name}_w"), values: Some(channel), first: 3, count: 1 });
         }
     }
-    create(path, |out| {
+    create(place, path, |out| {
         out.write_all(&MAGIC.to_le_bytes())?;
         for word in [FILE_VERSION, LIBRARY[0], LIBRARY[1]] {
             out.write_all(&word.to_le_bytes())?;

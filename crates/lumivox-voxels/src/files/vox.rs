@@ -12,31 +12,30 @@ use std::path::Path;
 use glam::{IVec3, UVec3};
 
 use super::palette::{Histogram, Palette};
-use super::{FileError, FileReport, create, left_out, srgb_from_linear};
+use super::{FileError, FileFormat, FileReport, Place, create, left_out, srgb_from_linear};
 use crate::SparseVolume;
 use crate::sparse::SIDE;
 
 /// Cells of a model along each axis.
 const MODEL: u32 = 256;
 /// Cells of the world along each axis.
-const WORLD: u32 = 2000;
+pub(super) const WORLD: u32 = 2000;
 /// Colours; the first place of the palette stands for no cell.
 const COLORS: usize = 255;
 /// sRGB of cells without a colour.
 const GREY: [u8; 3] = [204; 3];
 
-pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, FileError> {
+pub(super) fn write(
+    place: &mut dyn Place,
+    path: &Path,
+    volume: &SparseVolume,
+) -> Result<FileReport, FileError> {
     let n = volume.grid().dims;
-    if n.max_element() > WORLD {
-        let reason =
-            format!("{} x {} x {} cells, and the format places {WORLD} along an axis", n.x, n.y, n.z);
-        return Err(FileError::Limit { path: path.to_owned(), reason });
-    }
     let mut histogram = Histogram::new();
     volume.entries().for_each(|(_, slot)| histogram.add(color(volume, slot)));
     let palette = histogram.palette(COLORS);
     let mut error = 0;
-    create(path, |out| {
+    create(place, path, |out| {
         out.write_all(b"VOX ")?;
         out.write_all(&200u32.to_le_bytes())?;
         chunk(out, b"MAIN", true, |out| {
@@ -58,7 +57,7 @@ pub(super) fn write(path: &Path, volume: &SparseVolume) -> Result<FileReport, Fi
     })?;
     Ok(FileReport {
         files: vec![path.to_owned()],
-        left_out: left_out(volume, &["albedo"]),
+        left_out: left_out(FileFormat::Vox, volume),
         color_error: Some(error),
     })
 }

@@ -11,20 +11,27 @@ use lumivox_core::{Grid, HostVolume};
 pub(crate) use bricks::{BrickSet, CELLS, Mask, SHIFT, SIDE, brick_index, brick_of, bricks_along};
 pub(crate) use directory::Directory;
 
-use crate::{Channel, Values, VoxelizeReport};
+use crate::{Channel, Rule, Values, VoxelizeReport};
 
 /// One channel of a volume.
 #[derive(Clone, Debug)]
 pub struct ChannelData {
     name: String,
     components: usize,
+    rule: Rule,
     range: [f32; 2],
     values: Values,
 }
 
 impl ChannelData {
     pub(crate) fn new(channel: &Channel, values: Values) -> Self {
-        Self { name: channel.name.clone(), components: channel.components, range: channel.range, values }
+        Self {
+            name: channel.name.clone(),
+            components: channel.components,
+            rule: channel.rule,
+            range: channel.range,
+            values,
+        }
     }
 
     /// The channel's name.
@@ -35,6 +42,11 @@ impl ChannelData {
     /// Numbers per cell, 1 to 4.
     pub fn components(&self) -> usize {
         self.components
+    }
+
+    /// What became of several surfaces in a cell.
+    pub fn rule(&self) -> Rule {
+        self.rule
     }
 
     /// What 0 and 255 stand for if the numbers are bytes.
