@@ -4,7 +4,8 @@
     python3 readers.py FOLDER
 
 NumPy reads .npz, pynrrd .nhdr, trimesh .binvox and .ply, OpenVDB itself .vdb. A reader that is not installed is
-named as skipped; with `--all` that is a failure.
+named as skipped; with `--all` that is a failure. If FOLDER also has what `lumivox voxelize builtin:cornell:0` writes as
+`cornell.npz` and so on, these are compared with one another, and colours with where they must be in the Cornell box.
 """
 
 import sys
@@ -127,8 +128,61 @@ def vdb():
         near(found, wanted, 1e-5, f"vdb {name}")
 
 
+def middles(path):
+    """Middles of the occupied cells of a file in the world, sorted, and sRGB or linear colours."""
+    if path.suffix == ".npz":
+        with np.load(path) as data:
+            k, j, i = np.nonzero(data["occupancy"])
+            points = data["origin"] + (np.stack([i, j, k], axis=1) + 0.5) * data["cell_size"]
+            colors = data["albedo"][k, j, i] / 255
+    elif path.suffix == ".nhdr":
+        import nrrd
+
+        occupancy, header = nrrd.read(str(path))
+        found = np.argwhere(occupancy)
+        points = header["space origin"] + found @ header["space directions"]
+        colors = nrrd.read(str(path.with_suffix(".albedo.nhdr")))[0][:, *found.T].T / 255
+    elif path.suffix == ".ply":
+        import trimesh
+
+        cloud = trimesh.load(str(path))
+        points, srgb = np.asarray(cloud.vertices), cloud.colors[:, :3] / 255
+        colors = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    else:
+        try:
+            import openvdb
+        except ImportError:
+            import pyopenvdb as openvdb
+        density = openvdb.read(str(path), "density")
+        albedo = openvdb.read(str(path), "albedo").getConstAccessor()
+        cells = [tuple(item.min) for item in density.citerOnValues()]
+        points = np.array([density.transform.indexToWorld(cell) for cell in cells])
+        colors = np.array([albedo.getValue(cell) for cell in cells])
+    order = np.lexsort(np.round(points / 1e-4).T)
+    return points[order], colors[order]
+
+
+def command():
+    files = sorted(path for path in folder.glob("cornell.*") if path.suffixes in ([".npz"], [".nhdr"], [".ply"], [".vdb"]))
+    assert len(files) == 4, files
+    points, colors = middles(files[0])
+    for path in files[1:]:
+        other_points, other_colors = middles(path)
+        near(other_points, points, 1e-4, path.name)
+        near(other_colors, colors, 0.01, f"{path.name} colours")
+    # Red on the left, green on the right, as one looks into the box along -z.
+    middle_of = lambda wall: points[wall].mean(axis=0) - (points.min(axis=0) + points.max(axis=0)) / 2
+    red = middle_of(colors[:, 0] > 2 * colors[:, 1])
+    green = middle_of(colors[:, 1] > 2 * colors[:, 0])
+    assert red[0] < -0.8 and green[0] > 0.8, (red, green)
+    near(red[1:], green[1:], 0.05, "walls")
+
+
 skipped = []
-for reader in (npz, nhdr, binvox, ply, vdb):
+readers = [npz, nhdr, binvox, ply, vdb]
+if (folder / "cornell.npz").exists():
+    readers.append(command)
+for reader in readers:
     try:
         reader()
         print(f"{reader.__name__}: equal")

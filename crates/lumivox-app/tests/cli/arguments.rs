@@ -7,7 +7,7 @@ use crate::support::Folder;
 pub(crate) fn no_arguments() -> Result<(), Failed> {
     let run = Folder::new().line("");
     assert_eq!(run.status, Some(2));
-    for word in ["Usage: lumivox", "demo", "render", "compare", "info"] {
+    for word in ["Usage: lumivox", "demo", "render", "voxelize", "compare", "info"] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
     }
     Ok(())
@@ -20,6 +20,7 @@ pub(crate) fn help() -> Result<(), Failed> {
         "help render",
         "demo --help",
         "render --help",
+        "voxelize --help",
         "compare --help",
         "info --help",
     ] {

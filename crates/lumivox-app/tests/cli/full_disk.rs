@@ -53,3 +53,29 @@ pub(crate) fn every_format() -> Result<(), Failed> {
     }
     Ok(())
 }
+
+pub(crate) fn volumes() -> Result<(), Failed> {
+    for name in ["x.npz", "x.vox", "x.vdb", "x.binvox", "x.ply"] {
+        let folder = Folder::new();
+        let line = format!("voxelize builtin:cornell:0 --resolution 48 -o {name}");
+        run_within(&folder, 1 << 20, &line).succeeded();
+        let length = std::fs::metadata(folder.join(name))?.len();
+        assert!(length > BLOCK, "{name} has {length} bytes");
+        for blocks in [1, (length - 1) / BLOCK] {
+            folder.write(name, "the old one");
+            run_within(&folder, blocks, &line).failed_with(&["cannot write", name, "File too large"]);
+            assert_eq!(folder.files(), [name], "{blocks} blocks of {length} bytes");
+            assert_eq!(std::fs::read(folder.join(name))?, b"the old one");
+        }
+    }
+    // Of several files none is replaced where one does not fit.
+    let folder = Folder::new();
+    folder.write("x.nhdr", "the old one");
+    let run = run_within(&folder, 64, "voxelize builtin:cornell:0 --resolution 48 -o x.nhdr");
+    run.failed_with(&["cannot write", "x.raw", "File too large"]);
+    assert_eq!(
+        (folder.files(), std::fs::read(folder.join("x.nhdr"))?),
+        (vec!["x.nhdr".to_owned()], b"the old one".to_vec())
+    );
+    Ok(())
+}

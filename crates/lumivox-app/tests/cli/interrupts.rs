@@ -103,3 +103,29 @@ pub(crate) fn unfinished() -> Result<(), Failed> {
     }
     Ok(())
 }
+
+pub(crate) fn volumes() -> Result<(), Failed> {
+    // Files of many gigabytes, none of which may be there in the end; not even those that are complete already.
+    for name in ["x.npz", "x.nhdr", "x.ktx2"] {
+        let folder = Folder::new();
+        folder.write(name, "the old one");
+        let line =
+            format!("voxelize builtin:cornell:0 --resolution 2048 --channels occupancy,normal -o {name}");
+        let mut child = start(&folder, &line);
+        // Names are tried first, with empty files.
+        let begun = |folder: &Folder| {
+            let sizes = std::fs::read_dir(folder.join(".")).into_iter().flatten().flatten();
+            sizes.filter_map(|entry| entry.metadata().ok()).any(|found| found.len() > 1 << 20)
+        };
+        let start = Instant::now();
+        while !begun(&folder) {
+            assert!(child.0.try_wait().unwrap().is_none(), "ended before it could be interrupted");
+            assert!(start.elapsed() < Duration::from_secs(120), "nothing was written");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        interrupt(child, "INT", 130);
+        assert_eq!(folder.files(), [name]);
+        assert_eq!(std::fs::read(folder.join(name))?, b"the old one");
+    }
+    Ok(())
+}

@@ -2,7 +2,8 @@
 //! commands write what they promise.
 //!
 //! Without a graphics adapter the tests that need one are reported as ignored, with that reason in their name; with
-//! `LUMIVOX_REQUIRE_GPU=1` that fails instead.
+//! `LUMIVOX_REQUIRE_GPU=1` that fails instead. The same holds for tests on the models that `LUMIVOX_ASSETS` names, and
+//! `LUMIVOX_REQUIRE_ASSETS=1`.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -18,7 +19,12 @@ mod outputs;
 mod pictures;
 mod pixels;
 mod support;
+mod voxel_colors;
+mod voxel_files;
+mod voxel_nasty;
+mod voxelize;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -34,7 +40,24 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("files cut off anywhere are named", files::cut_files),
     ("references that cannot be compared with are named", compare::wrong_references),
     ("help and version succeed", arguments::help),
+    ("voxelize names what is wrong before it begins", voxelize::wrong_arguments),
+    ("voxelize writes the same cells in every format", voxelize::formats),
+    ("voxelize takes any grid, and tells what it did", voxelize::grids),
+    ("voxelize fills what is closed and names the hole of what is open", voxelize::solid),
+    ("voxelize takes many meshes", voxelize::many),
+    ("voxelize takes a moment of what moves", voxelize::moving),
+    ("textures are upright on voxels", voxel_colors::upright),
+    ("textures are averaged in linear space", voxel_colors::averaged_in_linear_space),
+    ("colours of vertices and factors", voxel_colors::of_vertices_and_factors),
+    ("missing textures, and channels that a format cannot hold", voxel_colors::missing),
+    #[cfg(unix)]
+    ("an interrupt leaves no part of a volume", interrupts::volumes),
+    #[cfg(unix)]
+    ("a full disk leaves the old volume", full_disk::volumes),
 ];
+
+const WITH_ASSETS: &[(&str, fn(&Path) -> Result<(), Failed>)] =
+    &[("nasty files are voxelized or refused", voxel_nasty::nasty_files)];
 
 const WITH_GPU: &[(&str, Check)] = &[
     ("unknown adapters are named", arguments::unknown_adapter),
@@ -81,6 +104,13 @@ fn main() -> ExitCode {
         (false, false) => {
             Trial::test(format!("{name} (no graphics adapter)"), || Ok(())).with_ignored_flag(true)
         }
+    }));
+    let assets = std::env::var_os("LUMIVOX_ASSETS").map(PathBuf::from).filter(|path| path.is_dir());
+    let assets_required = std::env::var("LUMIVOX_REQUIRE_ASSETS").is_ok_and(|v| v == "1");
+    trials.extend(WITH_ASSETS.iter().map(|&(name, check)| match assets.clone() {
+        Some(assets) => Trial::test(name, move || check(&assets)),
+        None if assets_required => Trial::test(name, || Err("LUMIVOX_ASSETS names no folder".into())),
+        None => Trial::test(format!("{name} (needs LUMIVOX_ASSETS)"), || Ok(())).with_ignored_flag(true),
     }));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
