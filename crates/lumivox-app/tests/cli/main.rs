@@ -31,6 +31,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use lumivox::gpu::Gpu;
 
 type Check = fn() -> Result<(), Failed>;
+type AssetCheck = fn(&Path) -> Result<(), Failed>;
 
 const ANYWHERE: &[(&str, Check)] = &[
     ("no arguments show the usage", arguments::no_arguments),
@@ -56,7 +57,7 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("a full disk leaves the old volume", full_disk::volumes),
 ];
 
-const WITH_ASSETS: &[(&str, fn(&Path) -> Result<(), Failed>)] =
+const WITH_ASSETS: &[(&str, AssetCheck)] =
     &[("nasty files are voxelized or refused", voxel_nasty::nasty_files)];
 
 const WITH_GPU: &[(&str, Check)] = &[

@@ -77,10 +77,10 @@ pub fn write(path: &Path, format: FileFormat, volume: &SparseVolume) -> Result<F
     write_into(&mut Renamed, path, format, volume)
 }
 
-/// As [`write`], for a program with a way of its own to make files.
+/// As [`write()`], for a program with a way of its own to make files.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_into(
     place: &mut dyn Place,
     path: &Path,
