@@ -37,6 +37,7 @@ pub mod gpu;
 pub mod light;
 pub mod progressive;
 pub mod volume;
+pub mod voxelize;
 pub mod wgsl;
 
 pub use bytemuck;
@@ -48,6 +49,11 @@ pub use wgpu;
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<gpu::Shader> {
     [progressive::shaders(), light::shaders()].concat()
+}
+
+/// The texts that [`voxelize`] makes of some sets of channels, for validation and for reading.
+pub fn generated_texts() -> Vec<gpu::GeneratedText> {
+    voxelize::texts()
 }
 
 /// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
@@ -70,5 +76,12 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
     fn entry<T: gpu::GpuStruct>() -> (&'static str, usize, &'static [gpu::Field]) {
         (T::NAME, size_of::<T>(), T::FIELDS)
     }
-    vec![entry::<wgsl::GridUniform>(), entry::<wgsl::ViewUniform>(), entry::<light::PropagationUniform>()]
+    vec![
+        entry::<wgsl::GridUniform>(),
+        entry::<wgsl::ViewUniform>(),
+        entry::<light::PropagationUniform>(),
+        entry::<voxelize::MeshUniform>(),
+        entry::<voxelize::BatchUniform>(),
+        entry::<voxelize::WindowUniform>(),
+    ]
 }

@@ -3,18 +3,25 @@
 
 use std::collections::HashMap;
 
-use lumivox::gpu::Shader;
+use lumivox::gpu::GeneratedText;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-fn parse(shader: &Shader) -> naga::Module {
-    let source = shader.source();
-    naga::front::wgsl::parse_str(&source)
-        .unwrap_or_else(|e| panic!("{}: {}", shader.name, e.emit_to_string(&source)))
+/// All shaders, and the texts that are put together at run time.
+fn all() -> Vec<GeneratedText> {
+    let fixed = lumivox::shaders().into_iter();
+    let fixed = fixed.map(|s| GeneratedText { name: s.name, source: s.source() });
+    fixed.chain(lumivox::generated_texts()).collect()
+}
+
+fn parse(shader: &GeneratedText) -> naga::Module {
+    let source = &shader.source;
+    naga::front::wgsl::parse_str(source)
+        .unwrap_or_else(|e| panic!("{}: {}", shader.name, e.emit_to_string(source)))
 }
 
 #[test]
 fn all_validate_on_the_core_tier() {
-    let shaders = lumivox::shaders();
+    let shaders = all();
     assert!(shaders.len() >= 8, "only {} shaders found", shaders.len());
     let mut failures = Vec::new();
     for shader in &shaders {
@@ -23,7 +30,7 @@ fn all_validate_on_the_core_tier() {
         // every WebGPU implementation, for which naga asks by name.
         let core = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
         if let Err(e) = Validator::new(ValidationFlags::all(), core).validate(&module) {
-            failures.push(format!("{}: {}", shader.name, e.emit_to_string(&shader.source())));
+            failures.push(format!("{}: {}", shader.name, e.emit_to_string(&shader.source)));
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -31,7 +38,7 @@ fn all_validate_on_the_core_tier() {
 
 #[test]
 fn bindings_are_read_as_naga_reads_them() {
-    for shader in lumivox::shaders() {
+    for shader in all() {
         let module = parse(&shader);
         let mut expected: Vec<_> = module
             .global_variables
@@ -55,7 +62,7 @@ fn bindings_are_read_as_naga_reads_them() {
 
 #[test]
 fn core_limits_of_a_stage_hold() {
-    for shader in lumivox::shaders() {
+    for shader in all() {
         let module = parse(&shader);
         let storage = module
             .global_variables
@@ -69,7 +76,7 @@ fn core_limits_of_a_stage_hold() {
 /// Struct name to fields with offsets, and size.
 fn wgsl_structs() -> HashMap<String, (Vec<(String, usize)>, usize)> {
     let mut structs = HashMap::new();
-    for shader in lumivox::shaders() {
+    for shader in all() {
         let module = parse(&shader);
         for (_, kind) in module.types.iter() {
             if let (Some(name), naga::TypeInner::Struct { members, span }) = (&kind.name, &kind.inner) {
@@ -95,7 +102,7 @@ fn rust_structs_have_the_layout_of_their_twins() {
 
 #[test]
 fn numbers_that_both_sides_spell_out_agree() {
-    let modules: Vec<_> = lumivox::shaders().iter().map(parse).collect();
+    let modules: Vec<_> = all().iter().map(parse).collect();
     for (name, expected) in lumivox::shader_constants() {
         let values: Vec<f32> = modules
             .iter()

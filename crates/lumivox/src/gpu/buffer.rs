@@ -1,6 +1,7 @@
 //! Buffers with an identity, so that passes can keep bind groups for them.
 
 use std::marker::PhantomData;
+use std::num::NonZeroU64;
 
 use super::{Gpu, GpuError, GpuStruct};
 
@@ -10,6 +11,8 @@ pub struct Buffer {
     pub(super) id: u64,
     /// The wgpu buffer, for a host's own use.
     pub raw: wgpu::Buffer,
+    /// What of it is bound: offset and size in bytes. All, without.
+    pub(super) window: Option<(u64, NonZeroU64)>,
 }
 
 impl Buffer {
@@ -29,7 +32,13 @@ impl Buffer {
             usage,
             mapped_at_creation: false,
         });
-        Self { id: gpu.count_created(), raw }
+        Self { id: gpu.count_created(), raw, window: None }
+    }
+
+    /// Takes in `size` bytes from `offset` of a buffer that the host already has; wgpu wants offsets that are multiples of
+    /// the device's alignment.
+    pub(crate) fn window(gpu: &Gpu, raw: wgpu::Buffer, offset: u64, size: NonZeroU64) -> Self {
+        Self { id: gpu.count_created(), raw, window: Some((offset, size)) }
     }
 
     /// A storage buffer filled with `data`.
@@ -39,9 +48,21 @@ impl Buffer {
         Ok(buffer)
     }
 
+    /// What a bind group holds of it.
+    pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
+        match self.window {
+            Some((offset, size)) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &self.raw,
+                offset,
+                size: Some(size),
+            }),
+            None => self.raw.as_entire_binding(),
+        }
+    }
+
     /// Size in bytes.
     pub fn size(&self) -> u64 {
-        self.raw.size()
+        self.window.map_or(self.raw.size(), |(_, size)| size.get())
     }
 }
 
@@ -61,6 +82,10 @@ impl<T: GpuStruct> Uniform<T> {
         let uniform = Self { buffer, marker: PhantomData };
         uniform.write(gpu, value);
         uniform
+    }
+
+    pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
+        self.buffer.binding()
     }
 
     /// Replaces the value.

@@ -1,9 +1,9 @@
 //! The device, where it comes from, and what it may be asked to do.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
-use super::GpuError;
+use super::{GpuError, Sampler, Texture, TextureOptions};
 
 /// What the device is asked for.
 ///
@@ -39,6 +39,7 @@ pub struct Gpu {
     tier: Tier,
     failure: Arc<Mutex<Option<GpuError>>>,
     created: Arc<AtomicU64>,
+    white: Arc<OnceLock<(Texture, Sampler)>>,
 }
 
 impl Gpu {
@@ -70,7 +71,7 @@ impl Gpu {
     /// A device that the host already has. Its error and device-lost callbacks stay the host's; a host that learns
     /// of a loss says so with [`Self::report_failure`], and every later `record` call returns the error.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, tier: Tier) -> Self {
-        Self { device, queue, tier, failure: Arc::default(), created: Arc::default() }
+        Self { device, queue, tier, failure: Arc::default(), created: Arc::default(), white: Arc::default() }
     }
 
     /// All adapters, the most capable kind first.
@@ -121,6 +122,36 @@ impl Gpu {
     /// Stands still while frames are recorded with the same resources.
     pub fn created_objects(&self) -> u64 {
         self.created.load(Ordering::Relaxed)
+    }
+
+    /// A white texel and a sampler that filters, made once: what stands where a material has no texture.
+    pub(crate) fn white(&self) -> Result<&(Texture, Sampler), GpuError> {
+        if let Some(white) = self.white.get() {
+            return Ok(white);
+        }
+        let options = TextureOptions {
+            size: [1, 1],
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            mips: 1,
+        };
+        let texture = Texture::new(self, "white", options)?;
+        self.queue.write_texture(
+            texture.raw.as_image_copy(),
+            &[255; 4],
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4), rows_per_image: None },
+            wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+        );
+        let descriptor = wgpu::SamplerDescriptor {
+            label: Some("linear"),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        };
+        Ok(self.white.get_or_init(|| (texture, Sampler::new(self, &descriptor))))
     }
 
     pub(super) fn count_created(&self) -> u64 {

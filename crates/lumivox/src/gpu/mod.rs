@@ -7,6 +7,7 @@
 mod buffer;
 mod context;
 mod error;
+mod generated;
 mod layout;
 mod pass;
 mod program;
@@ -18,6 +19,8 @@ mod timing;
 pub use buffer::{Buffer, Uniform};
 pub use context::{AdapterChoice, Gpu, Tier};
 pub use error::GpuError;
+pub(crate) use generated::made_bind_group;
+pub use generated::{GeneratedPass, GeneratedText, bind_group_layouts};
 pub use layout::{Field, GpuStruct};
 pub use pass::{ComputePass, FullscreenPass};
 pub use program::{Bindings, Program, Resource};

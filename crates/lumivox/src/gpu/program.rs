@@ -3,7 +3,10 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{Buffer, Gpu, GpuError, Sampler, Shader, ShaderBinding, Texture, Uniform};
+use super::{
+    Buffer, GeneratedText, Gpu, GpuError, Sampler, Shader, ShaderBinding, Texture, Uniform,
+    bind_group_layouts,
+};
 
 /// More than the 8 storage buffers, 4 storage and 16 sampled textures of one core stage are never bound at once here.
 const MAX_BINDINGS: usize = 16;
@@ -14,7 +17,7 @@ const CACHE_SIZE: usize = 8192;
 /// Something that can be bound.
 #[derive(Clone, Copy, Debug)]
 pub enum Resource<'a> {
-    /// A whole buffer.
+    /// A buffer, or the window of it that it stands for.
     Buffer(&'a Buffer),
     /// A whole texture.
     Texture(&'a Texture),
@@ -33,7 +36,7 @@ impl Resource<'_> {
 
     fn raw(&self) -> wgpu::BindingResource<'_> {
         match self {
-            Self::Buffer(b) => b.raw.as_entire_binding(),
+            Self::Buffer(b) => b.binding(),
             Self::Texture(t) => wgpu::BindingResource::TextureView(&t.view),
             Self::Sampler(s) => wgpu::BindingResource::Sampler(&s.raw),
         }
@@ -130,14 +133,32 @@ struct Group {
 impl Program {
     /// Reads the names from `shader`; `layout` gives the pipeline's layout of a group.
     pub fn new(shader: &Shader, layout: impl Fn(u32) -> wgpu::BindGroupLayout) -> Self {
-        let bindings = shader.bindings();
+        Self::with_bindings(shader.name, shader.bindings(), layout)
+    }
+
+    /// The program of a text made at run time. Groups without bindings have an empty layout.
+    pub fn generated(gpu: &Gpu, text: &GeneratedText) -> Result<Self, GpuError> {
+        let layouts = bind_group_layouts(gpu, text)?;
+        let empty = wgpu::BindGroupLayoutDescriptor { label: Some("empty"), entries: &[] };
+        let layout = |n: u32| {
+            let made = layouts.get(n as usize).and_then(Option::clone);
+            made.unwrap_or_else(|| gpu.device.create_bind_group_layout(&empty))
+        };
+        Ok(Self::with_bindings(text.name, text.bindings(), layout))
+    }
+
+    fn with_bindings(
+        name: &'static str,
+        bindings: Vec<ShaderBinding>,
+        layout: impl Fn(u32) -> wgpu::BindGroupLayout,
+    ) -> Self {
         let group_count = bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
         let groups = (0..group_count).map(|g| Group {
             bindings: bindings.iter().filter(|b| b.group == g).cloned().collect(),
             layout: layout(g),
             kept: Mutex::default(),
         });
-        Self { name: shader.name, groups: groups.collect() }
+        Self { name, groups: groups.collect() }
     }
 
     /// The bind group of these resources: made the first time, looked up from then on.
@@ -183,14 +204,14 @@ impl Program {
         bindings: &'b Bindings<'b>,
     ) -> Result<[Option<Resource<'b>>; MAX_BINDINGS], GpuError> {
         if bindings.count != group.bindings.len() || bindings.count > MAX_BINDINGS {
-            let names: Vec<_> = group.bindings.iter().map(|b| b.name).collect();
+            let names: Vec<_> = group.bindings.iter().map(|b| b.name.as_str()).collect();
             let reason = format!("was given {} resources; it binds {}", bindings.count, names.join(", "));
             return Err(self.error(reason));
         }
         let mut resources = [None; MAX_BINDINGS];
         for (slot, wanted) in resources.iter_mut().zip(&group.bindings) {
             let (resource, writes) = bindings
-                .find(wanted.name)
+                .find(&wanted.name)
                 .ok_or_else(|| self.error(format!("was not given {}", wanted.name)))?;
             if writes != wanted.writes {
                 let verb = if wanted.writes { "writes" } else { "only reads" };

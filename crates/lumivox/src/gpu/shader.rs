@@ -22,7 +22,11 @@ pub struct ShaderBinding {
     /// `@binding`.
     pub binding: u32,
     /// Name of the variable.
-    pub name: &'static str,
+    pub name: String,
+    /// Its type, as written.
+    pub kind: String,
+    /// Its address space and access, as written between `<` and `>`; empty for textures and samplers.
+    pub space: String,
     /// Whether the shader may write it.
     pub writes: bool,
 }
@@ -36,11 +40,16 @@ impl Shader {
     /// What the shader binds, read from its declarations. Each stands on one line, in the form
     /// `@group(G) @binding(B) var<..> name: type;`; a test compares the result with naga's reading of the same text.
     pub fn bindings(&self) -> Vec<ShaderBinding> {
-        self.parts.iter().flat_map(|p| p.lines()).filter_map(parse_binding).collect()
+        self.parts.iter().flat_map(|part| bindings_of(part)).collect()
     }
 }
 
-fn parse_binding(line: &'static str) -> Option<ShaderBinding> {
+/// What a text binds; see [`Shader::bindings`].
+pub(super) fn bindings_of(source: &str) -> Vec<ShaderBinding> {
+    source.lines().filter_map(parse_binding).collect()
+}
+
+fn parse_binding(line: &str) -> Option<ShaderBinding> {
     let rest = line.trim().strip_prefix("@group(")?;
     let (group, rest) = rest.split_once(") @binding(")?;
     let (binding, rest) = rest.split_once(") var")?;
@@ -53,7 +62,9 @@ fn parse_binding(line: &'static str) -> Option<ShaderBinding> {
     Some(ShaderBinding {
         group: group.trim().parse().ok()?,
         binding: binding.trim().parse().ok()?,
-        name: name.trim(),
+        name: name.trim().to_owned(),
+        kind: kind.trim().trim_end_matches(';').to_owned(),
+        space: space.to_owned(),
         writes,
     })
 }
@@ -73,8 +84,17 @@ mod tests {
         };
         let bindings = shader.bindings();
         assert_eq!(bindings.len(), 3);
-        assert_eq!(bindings[0], ShaderBinding { group: 0, binding: 2, name: "cells_out", writes: true });
-        assert_eq!(bindings[1], ShaderBinding { group: 1, binding: 0, name: "depth", writes: false });
+        let first = ShaderBinding {
+            group: 0,
+            binding: 2,
+            name: "cells_out".to_owned(),
+            kind: "array<vec2u>".to_owned(),
+            space: "storage, read_write".to_owned(),
+            writes: true,
+        };
+        assert_eq!(bindings[0], first);
+        assert_eq!((bindings[1].group, bindings[1].name.as_str()), (1, "depth"));
+        assert_eq!((bindings[1].kind.as_str(), bindings[1].space.as_str()), ("texture_depth_2d", ""));
         assert!(!bindings[2].writes);
     }
 }

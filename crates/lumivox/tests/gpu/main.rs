@@ -14,6 +14,7 @@ mod progressive;
 mod random_views;
 mod single_pass;
 mod support;
+mod voxelize;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -51,7 +52,7 @@ fn main() -> ExitCode {
         single_pass::TESTS,
     ]
     .concat();
-    let trials = tests.into_iter().map(|(name, body)| match &labs {
+    let trials = tests.into_iter().chain(voxelize::tests()).map(|(name, body)| match &labs {
         Ok(labs) => {
             let labs = labs.clone();
             Trial::test(name, move || body(&labs))

@@ -1,0 +1,81 @@
+//! Voxelization of triangles: any soup of meshes whose buffers are on the GPU already, to a volume of any channels.
+//!
+//! Sources: *Two simple single-pass GPU methods for multi-channel surface voxelization of dynamic scenes* (2011);
+//! dissertation 5.5.1 and chapter 6.
+//!
+//! ```text
+//! Mesh (views of the host's buffers)
+//!    |
+//!    +-- method (one of several)         which cells a triangle marks
+//!    |      +-- surface                  the piece of the triangle in the cell, and what the mesh says there
+//!    |      +-- channels                 built in, or WGSL functions of the host's
+//!    v
+//! sums (integers, by rule)  <-- merge -- layers: sums of what stands still, kept over frames
+//!    |
+//!    +-- resolve                         means, maxima; packed in the channel's format
+//!    v
+//! VolumeBuffer
+//! ```
+//!
+//! A [`Voxelizer`] is made for a grid, [`Channel`]s and [`Options`]; [`Voxelizer::record`] then turns meshes into cells
+//! whenever it is asked. Nothing depends on the order of triangles or on how they are spread over meshes, since sums
+//! are integers.
+//!
+//! **Windows.** The sums of a cell take up to eight bytes a number, and a binding of core WebGPU holds 128 MiB. Grids whose sums
+//! are larger are done in windows of cells, one pass over the triangles each, with the same result.
+//!
+//! **Limits.** Arithmetic is in single precision: cells are those of exact arithmetic as long as no corner of a triangle
+//! lies more than some 500 cells away; one at 10,000 cells moves edges by up to a thousandth of a cell. A mesh that is turned or scaled is as
+//! precise as its coordinates in the world are. An average counts up to 2^28 cell faces of surface in one cell.
+
+pub mod direct;
+
+mod channel;
+mod error;
+mod layer;
+mod mesh;
+mod method;
+mod text;
+mod voxelizer;
+
+use crate::gpu::GeneratedText;
+use crate::volume::Format;
+
+pub use channel::{Channel, Rule, SurfaceFunction};
+pub use error::VoxelizeError;
+pub use layer::{Layer, WindowUniform};
+pub use mesh::{
+    BATCH_TRIANGLES, BatchUniform, IndexView, Material, Mesh, MeshDescriptor, MeshUniform, VertexView,
+};
+pub use method::{Coverage, Method, Options};
+pub use voxelizer::{Interleaved, Voxelizer};
+
+/// The most that all channels of a cell may take: the papers' eight targets of four floats.
+pub const MAX_CELL_BITS: u64 = 1024;
+
+/// The texts of some channels and all coverages, for validation and for reading.
+pub(crate) fn texts() -> Vec<GeneratedText> {
+    use text::{Layout, Phase};
+    let plain = [Channel::normal(), Channel::albedo(), Channel::emission()];
+    let mixed = [
+        Channel::area(),
+        Channel::normal().unit(true).format(Format::F32).rule(Rule::Nearest).named("nearest"),
+        Channel::albedo().format(Format::U8).rule(Rule::Maximum).named("largest"),
+        Channel::emission().format(Format::F16).rule(Rule::Sum).named("sum"),
+    ];
+    let mut texts = Vec::new();
+    for channels in [&[], plain.as_slice(), mixed.as_slice()] {
+        let layout = Layout::new(channels);
+        for coverage in [Coverage::Exact, Coverage::Thin, Coverage::Sampled] {
+            for phase in [Phase::Sums, Phase::Nearest] {
+                let options = Options { coverage, shift: 0.0, ..Options::default() };
+                texts.extend(direct::texts(&layout, &options, phase, 8));
+            }
+        }
+        texts.extend(
+            (0..channels.len().div_ceil(text::RESOLVE_OUTPUTS)).map(|part| text::resolve_text(&layout, part)),
+        );
+        texts.push(text::merge_text(&layout));
+    }
+    texts
+}
