@@ -98,8 +98,12 @@ pub(crate) struct ShotArgs {
     pub(crate) gi: GiArg,
     /// Small lights that stand for the sky, each with a shadow map; a quarter as many stand for a rect light. More are smoother and
     /// slower. Stills take 1024, fewer down to 256 for many triangles, and series 64 unless said otherwise.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=4096))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
     pub(crate) light_samples: Option<u32>,
+    /// Texels a side of the atlas of shadow maps, 256 to 8192. The map of a sun or a spot has all of it, a sample of the sky a quarter.
+    /// Stills take 4096, series 2048 unless said otherwise.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(256..=8192))]
+    pub(crate) shadow_size: Option<u32>,
     /// Propagation steps per frame. A still goes on until its light has settled.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub(crate) iterations: u32,

@@ -157,7 +157,7 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         iterations: if still { 0 } else { shot.iterations },
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
         layer,
-        shadow_size: if still { 4096 } else { 2048 },
+        shadow_size: shot.shadow_size.unwrap_or(if still { 4096 } else { 2048 }),
         area_samples: shot.light_samples.unwrap_or_else(|| light_samples(scene, still)),
         area_maps: if still { 64 } else { 32 },
         ..Settings::default()

@@ -1,20 +1,22 @@
 //! Paths for each pixel, pixels in parallel, in as many rounds as it takes.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::camera::Pinhole;
-use super::path::{Gathered, gather};
+use super::path::{Gathered, Start, gather};
 use super::random::Random;
+use super::sequence::{REPLICATES, Sequences};
 use super::world::World;
-use super::{Layer, PixelFilter, Rendering, Settings, Sum, Tracer};
+use super::{Layer, PixelFilter, Rendering, Settings, Sums, Tracer};
 use crate::picture::Picture;
 use crate::scene::{Camera, SceneError};
 
 /// A picture in the making, to which paths are added until its noise is low enough. Rounds go on with the random
-/// numbers of the round before: two of 8 paths are, bit for bit, one of 16. About 400 bytes per pixel.
+/// numbers of the round before: two of 8 paths are, bit for bit, one of 16. About 1300 bytes per pixel.
 pub struct Film<'a> {
     world: &'a World<'a>,
     pinhole: Pinhole,
@@ -45,14 +47,16 @@ impl Film<'_> {
     /// share, 0..=1, after each row, from any thread.
     pub fn expose(&mut self, samples: u32, progress: &(dyn Fn(f64) + Sync)) {
         let Self { world, pinhole, settings, pixels, .. } = self;
+        let film = (*world, &*pinhole, &*settings);
+        let numbers = self.samples..self.samples.saturating_add(samples);
         let done = AtomicU32::new(0);
         pixels.par_chunks_mut(settings.width as usize).enumerate().for_each(|(y, row)| {
             for (x, pixel) in row.iter_mut().enumerate() {
-                pixel.trace(world, pinhole, settings, Vec2::new(x as f32, y as f32), samples);
+                pixel.trace(film, Vec2::new(x as f32, y as f32), numbers.clone());
             }
             progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / f64::from(settings.height));
         });
-        self.samples += samples;
+        self.samples = numbers.end;
     }
 
     /// Paths per pixel so far.
@@ -69,21 +73,25 @@ impl Film<'_> {
             height,
             pixels: self.pixels.iter().map(value).collect(),
         };
-        let layer = |n: usize| Layer {
-            radiance: picture(&|p| p.radiance[n].mean(samples)),
-            irradiance: picture(&|p| p.irradiance[n].mean(p.hits)),
-            radiance_error: picture(&|p| p.radiance[n].error(samples)),
-            irradiance_error: picture(&|p| {
-                if p.hits == 0 { Vec3::ZERO } else { p.irradiance[n].error(p.hits) }
-            }),
+        let layer = |n: usize| {
+            let radiance = |p: &Pixel| p.light.mean_and_error_over(n, &p.paths);
+            let irradiance = |p: &Pixel| p.light.mean_and_error(3 + n);
+            Layer {
+                radiance: picture(&|p| radiance(p).0),
+                irradiance: picture(&|p| irradiance(p).0),
+                radiance_error: picture(&|p| radiance(p).1),
+                // Where nothing is seen there is nothing to be wrong about.
+                irradiance_error: picture(&|p| if p.hits() == 0 { Vec3::ZERO } else { irradiance(p).1 }),
+            }
         };
+        let mean = |sum: DVec3, count: u32| (sum / f64::from(count.max(1))).as_vec3();
         Rendering {
             direct: layer(0),
             first_bounce: layer(1),
             indirect: layer(2),
-            emitted: picture(&|p| p.emitted.mean(samples)),
-            albedo: picture(&|p| p.albedo.mean(p.hits)),
-            coverage: self.pixels.iter().map(|p| p.hits as f32 / samples.max(1) as f32).collect(),
+            emitted: picture(&|p| mean(p.emitted, samples)),
+            albedo: picture(&|p| mean(p.albedo, p.hits())),
+            coverage: self.pixels.iter().map(|p| p.hits() as f32 / samples.max(1) as f32).collect(),
         }
     }
 }
@@ -91,50 +99,61 @@ impl Film<'_> {
 /// Sums over the paths of one pixel.
 struct Pixel {
     random: Random,
-    radiance: [Sum; 3],
-    irradiance: [Sum; 3],
-    emitted: Sum,
-    albedo: Sum,
-    hits: u32,
+    sequences: Sequences,
+    /// Paths so far, of each sequence.
+    paths: [u32; REPLICATES as usize],
+    /// Radiance of the three layers, then irradiance, of paths that met a surface.
+    light: Sums<6>,
+    emitted: DVec3,
+    albedo: DVec3,
 }
 
 impl Pixel {
     fn new(seed: u64, x: u32, y: u32) -> Self {
-        let sums = [Sum::default(); 3];
-        let (radiance, irradiance) = (sums, sums);
-        let [emitted, albedo, _] = sums;
-        let random = Random::new(seed, u64::from(y) << 32 | u64::from(x));
-        Self { random, radiance, irradiance, emitted, albedo, hits: 0 }
+        let stream = u64::from(y) << 32 | u64::from(x);
+        Self {
+            random: Random::new(seed, stream),
+            sequences: Sequences::new(seed, stream),
+            paths: Default::default(),
+            light: Sums::default(),
+            emitted: DVec3::ZERO,
+            albedo: DVec3::ZERO,
+        }
     }
 
-    fn trace(
-        &mut self,
-        world: &World<'_>,
-        pinhole: &Pinhole,
-        settings: &Settings,
-        corner: Vec2,
-        samples: u32,
-    ) {
-        for _ in 0..samples {
-            let within = match settings.filter {
-                PixelFilter::Box => self.random.square(),
-                PixelFilter::Center => Vec2::splat(0.5),
-            };
-            let direction = pinhole.direction(corner + within);
-            let Some(surface) = world.trace(pinhole.eye, direction, false) else {
-                self.emitted.add(world.sky);
+    /// Paths that met a surface.
+    fn hits(&self) -> u32 {
+        self.light.count()
+    }
+
+    /// Adds paths `numbers` of the pixel whose upper left corner is `corner`.
+    fn trace(&mut self, film: (&World<'_>, &Pinhole, &Settings), corner: Vec2, numbers: Range<u32>) {
+        let (world, pinhole, settings) = film;
+        let start = |within: Vec2| {
+            let seen = world.trace(pinhole.eye, pinhole.direction(corner + within), false);
+            seen.map(|surface| Start::new(world, surface))
+        };
+        // All paths through the centre begin alike.
+        let center = match settings.filter {
+            PixelFilter::Center => Some(start(Vec2::splat(0.5))),
+            PixelFilter::Box => None,
+        };
+        for n in numbers {
+            let first = self.sequences.first_steps(n);
+            self.paths[(n % REPLICATES) as usize] += 1;
+            let Some(start) = center.unwrap_or_else(|| start(first.pixel)) else {
+                self.emitted += world.sky.as_dvec3();
                 continue;
             };
-            self.hits += 1;
-            self.emitted.add(surface.emission);
-            self.albedo.add(surface.albedo);
+            let albedo = start.surface.albedo;
+            self.emitted += start.surface.emission.as_dvec3();
+            self.albedo += albedo.as_dvec3();
             let Gathered { direct, first_bounce, indirect } =
-                gather(world, surface, settings.bounces, &mut self.random);
-            let reflected = surface.albedo / std::f32::consts::PI;
-            for (n, irradiance) in [direct, first_bounce, indirect].into_iter().enumerate() {
-                self.irradiance[n].add(irradiance);
-                self.radiance[n].add(reflected * irradiance);
-            }
+                gather(world, &start, settings.bounces, &first, &mut self.random);
+            let reflected = albedo / std::f32::consts::PI;
+            let irradiances = [direct, first_bounce, indirect];
+            let [a, b, c] = irradiances.map(|irradiance| reflected * irradiance);
+            self.light.add(n, [a, b, c, direct, first_bounce, indirect]);
         }
     }
 }

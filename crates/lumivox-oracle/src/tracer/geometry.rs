@@ -111,7 +111,7 @@ pub(crate) fn lifted(point: Vec3, normal: Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::shapes;
-    use crate::tracer::random::Random;
+    use crate::tracer::random::{Random, cosine_direction};
 
     #[test]
     fn the_nearest_hit_is_that_of_trying_all() {
@@ -162,7 +162,7 @@ mod tests {
         for (case, (geometry, inside)) in cases.iter().enumerate() {
             let mut random = Random::new(5, case as u64);
             for n in 0..200_000 {
-                let sphere = random.cosine(Vec3::Y);
+                let sphere = cosine_direction(random.square(), Vec3::Y);
                 let up = if n % 2 == 0 { sphere } else { -sphere };
                 let origin = *inside + 0.05 * up;
                 // Every tenth ray lies in an axis-aligned plane.
@@ -180,7 +180,7 @@ mod tests {
         let mut random = Random::new(2, 9);
         for scale in [0.01, 1.0, 1000.0] {
             for _ in 0..1000 {
-                let normal = random.cosine(Vec3::Y);
+                let normal = cosine_direction(random.square(), Vec3::Y);
                 let point = scale * (2.0 * Vec3::new(random.unit(), random.unit(), random.unit()) - 1.0);
                 let height = (lifted(point, normal) - point).as_dvec3().dot(normal.as_dvec3());
                 assert!(height > 0.0 && height < f64::from(scale) * 1e-4 + 3e-5, "{height} at {scale}");

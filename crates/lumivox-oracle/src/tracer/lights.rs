@@ -1,10 +1,10 @@
 //! Light that reaches a surface straight from its source, as irradiance.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3Swizzles};
 use std::f32::consts::PI;
 
 use super::geometry::{Hit, lifted};
-use super::random::Random;
+use super::random::triangle_weights;
 use super::world::{Surface, World, unit_normal};
 use crate::scene::Light;
 
@@ -41,8 +41,13 @@ impl Emitters {
         self.densities[triangle]
     }
 
-    fn pick(&self, random: &mut Random) -> Option<usize> {
-        let at = f64::from(random.unit());
+    pub(crate) fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The triangle that a number in 0..1 stands for.
+    fn pick(&self, at: f32) -> Option<usize> {
+        let at = f64::from(at);
         let n = self.shares.partition_point(|&share| share <= at);
         self.triangles.get(n.min(self.triangles.len().wrapping_sub(1))).copied()
     }
@@ -89,11 +94,11 @@ fn punctual_light(world: &World<'_>, at: &Surface, light: &Light) -> Vec3 {
     if lit { cosine / offset.length_squared() * intensity } else { Vec3::ZERO }
 }
 
-/// Irradiance from emissive triangles and rectangles, estimated from one random point of them; weighted against the
-/// chance that [`super::path`] meets the same point by following a random direction.
-pub(crate) fn emitted(world: &World<'_>, at: &Surface, random: &mut Random) -> Vec3 {
-    let Some(triangle) = world.emitters.pick(random) else { return Vec3::ZERO };
-    let hit = Hit { triangle, weights: random.triangle() };
+/// Irradiance from emissive triangles and rectangles, estimated from the point of them that a point of the
+/// unit cube stands for; weighted against the chance that [`super::path`] meets the same point by following a random direction.
+pub(crate) fn emitted(world: &World<'_>, at: &Surface, sample: Vec3) -> Vec3 {
+    let Some(triangle) = world.emitters.pick(sample.x) else { return Vec3::ZERO };
+    let hit = Hit { triangle, weights: triangle_weights(sample.yz()) };
     let corners = world.corners(triangle);
     let w = hit.weights;
     let point = w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
@@ -117,6 +122,7 @@ pub(crate) fn emitted(world: &World<'_>, at: &Surface, random: &mut Random) -> V
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::Random;
     use super::*;
 
     #[test]
@@ -127,9 +133,9 @@ mod tests {
         let integral = emitters.density(0) * 0.5 + emitters.density(2) * 2.0;
         assert!((integral - 1.0).abs() < 1e-6 && emitters.density(1) == 0.0);
         let mut random = Random::new(0, 0);
-        let first = (0..20_000).filter(|_| emitters.pick(&mut random) == Some(0)).count();
+        let first = (0..20_000).filter(|_| emitters.pick(random.unit()) == Some(0)).count();
         // 3 * 0.5 of 3 * 0.5 + 1 * 2; four standard errors are 0.014.
         assert!((first as f64 / 20_000.0 - 1.5 / 3.5).abs() < 0.014, "{first}");
-        assert_eq!(Emitters::new(std::iter::empty()).pick(&mut random), None);
+        assert_eq!(Emitters::new(std::iter::empty()).pick(random.unit()), None);
     }
 }

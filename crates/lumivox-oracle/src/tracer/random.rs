@@ -6,7 +6,8 @@ use std::f32::consts::TAU;
 /// SplitMix64: a counter through a bijective mix of 64 bits (Steele, Lea, Flood 2014).
 pub(crate) struct Random(u64);
 
-fn mix(mut z: u64) -> u64 {
+/// A bijective mix of 64 bits.
+pub(crate) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -33,21 +34,24 @@ impl Random {
         Vec2::new(self.unit(), self.unit())
     }
 
-    /// A direction above `normal` with density `cos / pi`.
-    pub(crate) fn cosine(&mut self, normal: Vec3) -> Vec3 {
-        let s = self.square();
-        let (sin, cos) = (TAU * s.x).sin_cos();
-        let radius = s.y.sqrt();
-        let (tangent, bitangent) = normal.any_orthonormal_pair();
-        radius * (cos * tangent + sin * bitangent) + (1.0 - s.y).sqrt() * normal
+    /// Uniform in the unit cube.
+    pub(crate) fn cube(&mut self) -> Vec3 {
+        Vec3::new(self.unit(), self.unit(), self.unit())
     }
+}
 
-    /// Weights of the corners of a triangle, uniform over its area.
-    pub(crate) fn triangle(&mut self) -> Vec3 {
-        let s = self.square();
-        let r = s.x.sqrt();
-        Vec3::new(1.0 - r, r * (1.0 - s.y), r * s.y)
-    }
+/// The direction above `normal` that a point of the unit square stands for, with density `cos / pi`.
+pub(crate) fn cosine_direction(s: Vec2, normal: Vec3) -> Vec3 {
+    let (sin, cos) = (TAU * s.x).sin_cos();
+    let radius = s.y.sqrt();
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    radius * (cos * tangent + sin * bitangent) + (1.0 - s.y).sqrt() * normal
+}
+
+/// Weights of the corners of a triangle that a point of the unit square stands for, uniform over the triangle's area.
+pub(crate) fn triangle_weights(s: Vec2) -> Vec3 {
+    let r = s.x.sqrt();
+    Vec3::new(1.0 - r, r * (1.0 - s.y), r * s.y)
 }
 
 #[cfg(test)]
@@ -62,10 +66,10 @@ mod tests {
         let (mut mean, mut cosine, mut corner) = (0.0, 0.0, Vec3::ZERO);
         for _ in 0..n {
             mean += f64::from(random.unit());
-            let d = random.cosine(normal);
+            let d = cosine_direction(random.square(), normal);
             assert!((d.length() - 1.0).abs() < 1e-5 && d.dot(normal) >= -1e-6);
             cosine += f64::from(d.dot(normal));
-            corner += random.triangle() / n as f32;
+            corner += triangle_weights(random.square()) / n as f32;
         }
         // E = 1/2, 2/3 and 1/3; four standard errors are below 0.003.
         assert!((mean / f64::from(n) - 0.5).abs() < 0.003);

@@ -67,17 +67,31 @@ pub fn light_views(sample: &LightSample, bounds: &Bounds, receivers: &[Vec3], te
     }
 }
 
+/// The rectangle that points fill in a view's picture plane, in metres.
+fn window(view: &View, points: &[Vec3]) -> (Vec2, Vec2) {
+    let flat = points.iter().map(|p| view.eye_from_world.transform_point3(*p).truncate());
+    flat.fold((Vec2::MAX, Vec2::MIN), |(low, high), p| (low.min(p), high.max(p)))
+}
+
+/// Which way is up in the map of parallel light: along the axis with which the scene's box fills the map best. A long box that
+/// lies askew in its map leaves more than half of it empty.
+fn parallel_up(direction: Vec3, bounds: &Bounds) -> Vec3 {
+    let area = |up: &Vec3| {
+        let probe = View::orthographic_along(Vec3::ZERO, direction, *up, Vec2::ONE, 1.0);
+        let (low, high) = window(&probe, &bounds.corners());
+        ((high - low) / bounds.size().length().max(MIN_REACH)).element_product()
+    };
+    let ups = [Vec3::Y, Vec3::X, Vec3::Z];
+    ups.into_iter().min_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or(Vec3::Y)
+}
+
 /// An orthographic view that holds the receivers and, before them, all that may shade them.
 fn parallel_view(direction: Vec3, bounds: &Bounds, receivers: &[Vec3], texels: u32) -> View {
     let reach = bounds.size().length().max(MIN_REACH);
-    let probe = View::orthographic_along(Vec3::ZERO, direction, Vec3::Y, Vec2::ONE, 1.0);
-    let flat = |p: &Vec3| probe.eye_from_world.transform_point3(*p).truncate();
-    let window = |points: &[Vec3]| {
-        let start = (Vec2::MAX, Vec2::MIN);
-        points.iter().map(flat).fold(start, |(low, high), p| (low.min(p), high.max(p)))
-    };
-    let whole = window(&bounds.corners());
-    let wanted = if receivers.is_empty() { whole } else { window(receivers) };
+    let up = parallel_up(direction, bounds);
+    let probe = View::orthographic_along(Vec3::ZERO, direction, up, Vec2::ONE, 1.0);
+    let whole = window(&probe, &bounds.corners());
+    let wanted = if receivers.is_empty() { whole } else { window(&probe, receivers) };
     let (low, high) = (wanted.0.max(whole.0), wanted.1.min(whole.1));
     // Sizes grow in eighths of the whole and the window moves in whole texels.
     let step = (whole.1 - whole.0).max(Vec2::splat(1e-3 * reach)) / 8.0;
@@ -90,7 +104,7 @@ fn parallel_view(direction: Vec3, bounds: &Bounds, receivers: &[Vec3], texels: u
     // Along the light the eye lies a whole diagonal before the scene's middle.
     let along = direction.dot(bounds.center() - middle) - reach;
     let eye = middle + along * direction;
-    View::orthographic_along(eye, direction, Vec3::Y, texels.max(1) as f32 * texel, 2.0 * reach)
+    View::orthographic_along(eye, direction, up, texels.max(1) as f32 * texel, 2.0 * reach)
 }
 
 /// Corners of the part of a box that a perspective camera can see; their convex hull holds it. Empty if it sees none.
