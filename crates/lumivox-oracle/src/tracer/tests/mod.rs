@@ -2,6 +2,7 @@
 
 mod behaviour;
 mod closed_forms;
+mod convergence;
 
 use glam::Vec3;
 
