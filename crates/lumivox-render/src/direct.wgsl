@@ -40,7 +40,7 @@ struct Receiver {
     face: vec3f,
 }
 
-// 1 if a texel of the view's tile lies behind the plane that is given in the view's clip space.
+// 1 if a texel of the view's tile does not lie before the plane that is given in the view's clip space.
 fn lit_at(shadow: ShadowViewUniform, plane: vec4f, texel: vec2f) -> f32 {
     // Beyond its border the map goes on as its last texels.
     let inside = clamp(texel, vec2f(0.0), vec2f(shadow.texels - 1.0));
@@ -49,7 +49,7 @@ fn lit_at(shadow: ShadowViewUniform, plane: vec4f, texel: vec2f) -> f32 {
     let origin = shadow.tile_origin * shadow.texels / shadow.tile_size;
     let stored = textureLoad(shadow_atlas, vec2u(origin + inside + 0.5), 0);
     // Where nothing was drawn there is no shadow, even where the plane runs beyond the far plane.
-    return select(0.0, 1.0, reference <= stored || stored == 1.0);
+    return select(0.0, 1.0, reference >= stored || stored == 0.0);
 }
 
 // Share of the light that arrives at a receiver whose clip position is `own`. A plane's depth is linear over the picture, in

@@ -65,7 +65,7 @@ pub struct ShadowedLights {
     pub(crate) views: Buffer,
     /// What is drawn together.
     pub(crate) batches: Vec<ShadowBatch>,
-    /// Depth, 0 near to 1 far.
+    /// Depth, 1 near to 0 far.
     pub(crate) atlas: Texture,
     samples: Vec<LightSample>,
     /// Texels a side of the tiles of each sample.
@@ -127,6 +127,7 @@ impl ShadowedLights {
         for (n, (sample, &texels)) in self.samples.iter().zip(&self.tile_sizes).enumerate() {
             for view in lights::light_views(sample, bounds, &receivers, texels) {
                 let Some(tile) = tiles.next() else { continue };
+                let view = view.with_reversed_depth();
                 tile.view
                     .write(gpu, &ViewUniform::new(&view, UVec2::splat(texels), UVec2::ONE, NOTHING_INJECTED));
                 views.push(ShadowViewUniform {
