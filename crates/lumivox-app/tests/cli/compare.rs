@@ -42,7 +42,7 @@ fn write_exr(path: &Path, width: usize, height: usize, value: f32) -> Result<(),
     Ok(())
 }
 
-fn comparison<'a>(report: &'a Value, layer: &str, quantity: &str) -> &'a Value {
+pub(crate) fn comparison<'a>(report: &'a Value, layer: &str, quantity: &str) -> &'a Value {
     let all = report["comparisons"].as_array().unwrap();
     all.iter().find(|c| c["layer"] == layer && c["quantity"] == quantity).unwrap()
 }

@@ -9,6 +9,7 @@
 
 mod arguments;
 mod compare;
+mod direct_light;
 mod files;
 #[cfg(unix)]
 mod full_disk;
@@ -90,9 +91,24 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("comparisons under a rect light", compare::rect_light),
     ("comparisons of what moves", compare::moving),
     ("comparisons without light, bounces or a volume", compare::dark_and_unlit),
+    ("direct light of lamps in a box is the path tracer's", direct_light::lamps_in_a_box),
+    ("direct light of lamps in the room is the path tracer's", direct_light::lamps_in_the_room),
+    ("direct light of the sky in a box is the path tracer's", direct_light::sky_in_a_box),
     ("a demo writes all it promises", others::demo),
     ("info tells adapters and limits", others::info),
 ];
+
+/// For `--ignored`: minutes each on a software driver.
+const LONG: &[(&str, Check)] =
+    &[("direct light of the sky, patiently, is the path tracer's", direct_light::sky_with_patience)];
+
+/// With models and a graphics adapter.
+const WITH_BOTH: &[(&str, AssetCheck)] =
+    &[("direct light of lamps in Sponza is the path tracer's", direct_light::lamps_in_sponza)];
+
+/// Likewise, for `--ignored`.
+const LONG_WITH_BOTH: &[(&str, AssetCheck)] =
+    &[("direct light of area lights in Sponza is the path tracer's", direct_light::area_lights_in_sponza)];
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -108,10 +124,16 @@ fn main() -> ExitCode {
     }));
     let assets = std::env::var_os("LUMIVOX_ASSETS").map(PathBuf::from).filter(|path| path.is_dir());
     let assets_required = std::env::var("LUMIVOX_REQUIRE_ASSETS").is_ok_and(|v| v == "1");
-    trials.extend(WITH_ASSETS.iter().map(|&(name, check)| match assets.clone() {
+    let with_assets = |&(name, check): &(&str, AssetCheck)| match assets.clone() {
         Some(assets) => Trial::test(name, move || check(&assets)),
         None if assets_required => Trial::test(name, || Err("LUMIVOX_ASSETS names no folder".into())),
         None => Trial::test(format!("{name} (needs LUMIVOX_ASSETS)"), || Ok(())).with_ignored_flag(true),
-    }));
+    };
+    trials.extend(WITH_ASSETS.iter().map(with_assets));
+    if has_gpu {
+        trials.extend(WITH_BOTH.iter().map(with_assets));
+        trials.extend(LONG.iter().map(|&(name, check)| Trial::test(name, check).with_ignored_flag(true)));
+        trials.extend(LONG_WITH_BOTH.iter().map(|t| with_assets(t).with_ignored_flag(true)));
+    }
     libtest_mimic::run(&arguments, trials).exit_code()
 }
