@@ -24,7 +24,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     pub(crate) antialias: Option<u32>,
     /// The path tracer stops at this many paths per pixel, even if its noise is still above a quarter of the error.
-    #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    #[arg(long, default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     pub(crate) max_samples: u32,
     /// The path tracer starts no round that would end after this time.
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
