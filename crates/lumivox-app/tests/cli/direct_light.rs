@@ -85,7 +85,7 @@ fn room(folder: &Folder) -> Result<(Value, Vec<Value>), Failed> {
     Ok((json!({"eye": eye, "target": target, "fov_y_deg": camera.fov_y.to_degrees()}), meshes))
 }
 
-/// Renders and traces one scene and holds its direct light, as radiance and as irradiance, to `most`.
+/// Writes a scene and holds its direct light, as radiance and as irradiance, to `most`.
 fn check(
     folder: &Folder,
     name: &str,
@@ -95,16 +95,20 @@ fn check(
 ) -> Result<(), Failed> {
     let scene = json!({"camera": camera, "lights": [light], "meshes": meshes});
     folder.write(&format!("{name}.scene.json"), scene.to_string());
-    let line = format!("compare {name}.scene.json --gi off --out {name} {options}");
-    folder.line(&line).succeeded();
+    is_close(folder, &format!("{name}.scene.json"), name, options, most)
+}
+
+/// Renders and traces a scene and holds its direct light to `most`.
+fn is_close(folder: &Folder, scene: &str, name: &str, options: &str, most: f64) -> Result<(), Failed> {
+    folder.line(&format!("compare {scene} --gi off --out {name} {options}")).succeeded();
     let report = read_json(&folder.join(&format!("{name}/compare.json")))?;
     for quantity in ["radiance", "irradiance"] {
         let direct = comparison(&report, "direct", quantity);
         let number = |key: &str| direct[key].as_f64().ok_or(format!("{name}: no {key} in {direct}"));
         let (trimmed, noise, ratio) = (number("trimmed")?, number("noise")?, number("mean_ratio")?);
         eprintln!("{name} {quantity}: {:.2} %, noise {:.2} %", 1e2 * trimmed, 1e2 * noise);
-        // Noise and error are independent, and what is found of noise may say nothing of the error.
         assert!(noise < 0.5 * most, "{name} {quantity}: too much noise to tell, {direct}");
+        // Noise and error are independent, so their squares add.
         assert!(trimmed < most.hypot(noise) && (ratio - 1.0).abs() < most, "{name} {quantity}: {direct}");
     }
     Ok(())
@@ -133,13 +137,13 @@ pub(crate) fn sky_in_a_box() -> Result<(), Failed> {
     check(&Folder::new(), "sky", &sky(), &cornell(), (options, 2.0 * CLOSE))
 }
 
-/// The patient version: a minute or so for each.
+/// The patient version, in the box and in the room, there with its sun: minutes for each.
 pub(crate) fn sky_with_patience() -> Result<(), Failed> {
     let folder = Folder::new();
     let options = "--size 32x18 --max-samples 262144 --light-samples 4096";
     check(&folder, "box", &sky(), &cornell(), (options, CLOSE))?;
-    let room = room(&folder)?;
-    check(&folder, "room", &sky(), &room, ("--size 32x18 --max-samples 1000000 --light-samples 8192", CLOSE))
+    let options = "--size 32x18 --max-samples 1000000 --light-samples 4096";
+    is_close(&folder, "builtin:room", "room", options, CLOSE)
 }
 
 /// The atrium that everybody knows, under each lamp.
