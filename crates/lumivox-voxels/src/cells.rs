@@ -1,10 +1,11 @@
 //! From the triangles of a brick to its cells and their values.
 
-use glam::{IVec3, UVec3};
+use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
+use crate::areas::Areas;
 use crate::channels::{Accumulator, Fragment, Values};
-use crate::coverage::{self, CellBox, Coverage};
+use crate::coverage::{self, CellBox, Coverage, Triangle};
 use crate::fragment::{self, Piece};
 use crate::job::Job;
 use crate::sparse::{Mask, SHIFT, SIDE};
@@ -25,15 +26,23 @@ pub(crate) struct Worker<'a> {
     sums: Accumulator<'a>,
     values: Vec<[f32; 4]>,
     fixed: Vec<[i64; 4]>,
-    /// Mesh and material of the values, if they are those of a whole triangle.
+    /// Mesh and material of the flat triangles that are being summed.
     constants: Option<(usize, usize)>,
+    areas: Areas,
 }
 
 impl<'a> Worker<'a> {
     pub(crate) fn new(job: &'a Job<'a>) -> Self {
         let count = job.channels.len();
         let sums = Accumulator::new(job.channels);
-        Self { job, sums, values: vec![[0.0; 4]; count], fixed: vec![[0; 4]; count], constants: None }
+        Self {
+            job,
+            sums,
+            values: vec![[0.0; 4]; count],
+            fixed: vec![[0; 4]; count],
+            constants: None,
+            areas: Areas::default(),
+        }
     }
 
     /// Marks the cells of a brick in `mask` and appends the values of all that are marked.
@@ -78,9 +87,11 @@ impl<'a> Worker<'a> {
                 let mut worker = Worker::new(self.job);
                 let mut mask = [0; SIDE as usize];
                 parts.iter().for_each(|part| worker.batch(brick, part, &mut mask));
+                worker.sums.settle();
                 (mask, worker.sums)
             })
             .collect();
+        self.sums.settle();
         for (part, sums) in &done {
             mask.iter_mut().zip(part).for_each(|(a, b)| *a |= b);
             self.sums.merge(sums);
@@ -109,37 +120,28 @@ impl<'a> Worker<'a> {
         let Some(reach) = job.reach(mesh, number) else { return };
         let triangle = job.triangle(mesh, number, reach.cells());
         let normal = triangle.normal();
-        let length = normal.length();
-        let face = Face::new(job, mesh, number, normal, length);
-        let nothing = Piece { area: 0.0, point: glam::DVec3::ZERO };
+        let face = Face::new(job, mesh, number, normal);
+        if !face.varies && job.takes_flat {
+            return self.flat(cells, &triangle, normal, &face, mask);
+        }
+        let nothing = Piece { area: 0.0, point: DVec3::ZERO };
         if !face.varies {
-            if self.constants == Some(face.constants()) {
-                face.shade_normals(job.channels, &mut self.values, &mut self.fixed);
-            } else {
-                face.shade(job, &triangle, &nothing, &mut self.values, &mut self.fixed);
-                self.constants = Some(face.constants());
-            }
-        } else {
-            self.constants = None;
+            face.shade(job, &triangle, &nothing, &mut self.values, &mut self.fixed);
         }
         let needs_point = face.varies || job.parts.point;
+        self.areas.begin(normal, normal.length());
         coverage::walk(job.coverage, &triangle, cells, &mut |cell: IVec3| {
             let piece = match job.coverage {
                 Coverage::Sampled => coverage::sample(&triangle, cell),
                 _ if needs_point => fragment::in_cell(&triangle, cell),
-                _ if job.parts.area => {
-                    Piece { area: fragment::area_in_cell(&triangle, 0.5 * length, cell), ..nothing }
-                }
+                _ if job.parts.area => Piece { area: self.areas.in_cell(&triangle, cell), ..nothing },
                 _ => nothing,
             };
             if face.varies && !face.shade(job, &triangle, &piece, &mut self.values, &mut self.fixed) {
                 return;
             }
-            let local = (cell - cells.low).as_uvec3();
-            let bit = local.x + SIDE * local.y;
-            mask[local.z as usize] |= 1 << bit;
             self.sums.add(&Fragment {
-                cell: (64 * local.z + bit) as usize,
+                cell: mark(mask, cells, cell),
                 area: piece.area,
                 distance: if needs_point {
                     piece.point.distance_squared(cell.as_dvec3() + 0.5) as f32
@@ -151,4 +153,56 @@ impl<'a> Worker<'a> {
             });
         });
     }
+
+    /// A triangle with one colour and one normal, in channels of averages.
+    #[inline]
+    fn flat(
+        &mut self,
+        cells: &CellBox,
+        triangle: &Triangle,
+        normal: DVec3,
+        face: &Face<'_>,
+        mask: &mut Mask,
+    ) {
+        if self.constants != Some(face.constants()) {
+            self.constants = Some(face.constants());
+            let nothing = Piece { area: 0.0, point: DVec3::ZERO };
+            face.shade(self.job, triangle, &nothing, &mut self.values, &mut self.fixed);
+            self.sums.set_flat(&self.fixed);
+        }
+        let length = normal.length();
+        let (direction, is_doubled_area) = face.direction();
+        if self.job.coverage == Coverage::Exact && triangle.reach.low == triangle.reach.high {
+            let area = 0.5 * length;
+            let area_normal = direction * if is_doubled_area { 0.5 } else { area };
+            if cells.contains(triangle.reach.low) {
+                let cell = mark(mask, cells, triangle.reach.low);
+                self.sums.add_flat(cell, area, area_normal, direction);
+            }
+            return;
+        }
+        let per_area = match is_doubled_area {
+            true if length > 0.0 => direction / length,
+            true => DVec3::ZERO,
+            false => direction,
+        };
+        self.areas.begin(normal, length);
+        let sampled = self.areas.under_one_sample();
+        coverage::walk(self.job.coverage, triangle, cells, &mut |cell| {
+            let area = match self.job.coverage {
+                Coverage::Sampled => sampled,
+                _ => self.areas.in_cell(triangle, cell),
+            };
+            self.sums.add_flat(mark(mask, cells, cell), area, area * per_area, direction);
+        });
+    }
+}
+
+/// Marks a cell of the brick whose first cell is `cells.low`, and returns its number in it.
+#[inline(always)]
+fn mark(mask: &mut Mask, cells: &CellBox, cell: IVec3) -> usize {
+    let local = (cell - cells.low).as_uvec3();
+    let bit = local.x + SIDE * local.y;
+    mask[local.z as usize] |= 1 << bit;
+    (64 * local.z + bit) as usize
 }

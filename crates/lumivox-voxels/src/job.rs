@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, Mat4, UVec3};
 use lumivox_core::Grid;
 use rayon::prelude::*;
 
-use crate::channels::Parts;
+use crate::channels::{Parts, takes_flat};
 use crate::coverage::{CellBox, Triangle, cell_of, onto_rim};
 use crate::options::{Progress, Stage, VoxelizeOptions};
 use crate::surface::{Asked, Placed};
@@ -96,6 +96,8 @@ pub(crate) struct Job<'a> {
     pub(crate) parts: Parts,
     /// Whether there is more to do than to mark cells.
     pub(crate) needs_fragments: bool,
+    /// Whether the channels are such that flat triangles can be summed in short.
+    pub(crate) takes_flat: bool,
     pub(crate) asked: Asked,
     /// Of each mesh.
     pub(crate) placed: Vec<Placed>,
@@ -144,6 +146,7 @@ impl<'a> Job<'a> {
             grid,
             parts,
             needs_fragments: is_masked || !options.channels.is_empty(),
+            takes_flat: takes_flat(&options.channels),
             asked: Asked::new(&options.channels),
             placed: model.meshes.iter().map(Placed::new).collect(),
             plain: Material::default(),

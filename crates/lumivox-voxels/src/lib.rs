@@ -26,6 +26,7 @@
 //! Conventions are those of [`lumivox_core`]: right-handed, Y up, metres, linear Rec. 709, cell `(i, j, k)` at index
 //! `i + nx * (j + ny * k)`.
 
+mod areas;
 mod binning;
 mod boundary;
 mod cells;

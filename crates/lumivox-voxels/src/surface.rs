@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
 
-use crate::channels::{Source, fixed};
+use crate::channels::{Source, fixed, unit};
 use crate::coverage::Triangle;
 use crate::fragment::{Piece, barycentric};
 use crate::job::Job;
@@ -54,15 +54,18 @@ pub(crate) struct Face<'a> {
     placed: &'a Placed,
     material_number: usize,
     material: &'a Material<'a>,
-    normal: Vec3,
+    /// Twice its area times its unit normal, in cells.
+    normal: DVec3,
+    /// The mesh's normal, if all corners have the same.
+    corner_normal: Option<Vec3>,
     /// Whether its values or its outline depend on where one looks.
     pub(crate) varies: bool,
 }
 
 impl<'a> Face<'a> {
-    /// `normal` has the triangle's direction, and `length` is its length.
+    /// `normal` is twice the triangle's area times its unit normal.
     #[inline]
-    pub(crate) fn new(job: &'a Job<'a>, mesh: usize, number: u32, normal: DVec3, length: f64) -> Self {
+    pub(crate) fn new(job: &'a Job<'a>, mesh: usize, number: u32, normal: DVec3) -> Self {
         let view = &job.model.meshes[mesh];
         let material_number = match view.material {
             MaterialOf::Mesh(material) => material,
@@ -71,40 +74,34 @@ impl<'a> Face<'a> {
         let material = job.model.materials.get(material_number).unwrap_or(&job.plain);
         let placed = &job.placed[mesh];
         let asked = &job.asked;
+        let corner_normal = if asked.normal { equal_normals(view, number) } else { None };
         let varies = asked.own
             || material.alpha_cutoff.is_some()
             || (asked.albedo && (view.colors.is_some() || material.base_color_texture.is_some()))
             || (asked.emission && material.emission_texture.is_some())
-            || (asked.normal && view.normals.is_some());
-        let needs_normal = asked.normal || asked.own;
-        let normal = match needs_normal {
-            true if length > 1e-100 => (normal * (1.0 / length)).as_vec3(),
-            true => unit(normal),
-            false => Vec3::ZERO,
-        };
-        let normal = placed.side * normal;
-        Self { mesh, number, view, placed, material_number, material, normal, varies }
+            || (asked.normal && view.normals.is_some() && corner_normal.is_none());
+        let normal = f64::from(placed.side) * normal;
+        Self { mesh, number, view, placed, material_number, material, normal, corner_normal, varies }
+    }
+
+    /// What points as the normals of a face do that has one normal, with the face's area times two as length if it is
+    /// the geometry's own.
+    #[inline]
+    pub(crate) fn direction(&self) -> (DVec3, bool) {
+        let turned = || (self.placed.normal_from_local * self.corner_normal?).try_normalize();
+        match turned() {
+            Some(normal) => (normal.as_dvec3(), false),
+            None => (self.normal, true),
+        }
+    }
+
+    fn unit_normal(&self) -> Vec3 {
+        unit(self.direction().0)
     }
 
     /// What values that do not vary depend on, beside the normal.
     pub(crate) fn constants(&self) -> (usize, usize) {
         (self.mesh, self.material_number)
-    }
-
-    /// Fills in the values of channels of normals, for a triangle whose other values are there already.
-    #[inline]
-    pub(crate) fn shade_normals(
-        &self,
-        channels: &[Channel],
-        values: &mut [[f32; 4]],
-        fixed_values: &mut [[i64; 4]],
-    ) {
-        for ((channel, values), fixed_values) in channels.iter().zip(values).zip(fixed_values) {
-            if let Source::Normal = channel.source {
-                *values = self.normal.extend(0.0).to_array();
-                *fixed_values = fixed(*values, channel.components);
-            }
-        }
     }
 
     /// Fills in the values of all channels, and the same in fixed point. False, with nothing filled in, in the holes of
@@ -122,7 +119,7 @@ impl<'a> Face<'a> {
         } else {
             SurfacePoint {
                 position: Vec3::ZERO,
-                normal: self.normal,
+                normal: if job.asked.normal { self.unit_normal() } else { Vec3::ZERO },
                 uv: Vec2::ZERO,
                 uv_area: 0.0,
                 color: self.material.base_color,
@@ -166,7 +163,8 @@ impl<'a> Face<'a> {
         let vertex_color = self.view.colors.map_or(Vec4::ONE, |colors| {
             (0..3).map(|i| weights[i] * Vec4::from_array(colors[indices[i]])).sum()
         });
-        let normal = self.view.normals.map_or(self.normal, |normals| {
+        let face_normal = unit(self.normal);
+        let normal = self.view.normals.map_or(face_normal, |normals| {
             let local: Vec3 = (0..3).map(|i| weights[i] * Vec3::from_array(normals[indices[i]])).sum();
             unit((self.placed.normal_from_local * local).as_dvec3())
         });
@@ -175,7 +173,7 @@ impl<'a> Face<'a> {
         };
         SurfacePoint {
             position: job.world_from_grid(piece.point).as_vec3(),
-            normal: if normal == Vec3::ZERO { self.normal } else { normal },
+            normal: if normal == Vec3::ZERO { face_normal } else { normal },
             uv,
             uv_area,
             color: self.material.base_color * texel(self.material.base_color_texture) * vertex_color,
@@ -189,14 +187,12 @@ impl<'a> Face<'a> {
     }
 }
 
-/// Unit length in f32; zero for what has no direction. Largest component first: squares of tiny triangles underflow.
-fn unit(v: DVec3) -> Vec3 {
-    let largest = v.abs().max_element();
-    if largest > 0.0 && largest.is_finite() {
-        (v / largest).normalize_or_zero().as_vec3()
-    } else {
-        Vec3::ZERO
-    }
+/// The normal of a triangle whose corners have the same.
+#[inline]
+fn equal_normals(view: &MeshView<'_>, number: u32) -> Option<Vec3> {
+    let normals = view.normals?;
+    let [a, b, c] = view.triangles.indices[number as usize].map(|i| normals[i as usize]);
+    (a == b && b == c).then(|| Vec3::from_array(a))
 }
 
 /// Turns normals as the mesh is turned: the cofactors, which exist for flattening transforms too.

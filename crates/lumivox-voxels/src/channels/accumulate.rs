@@ -2,18 +2,24 @@
 //!
 //! An average is `sum(w v) / sum(w)` over integers: `w` counts in 2^-22 of a cell face, `v` in 2^-32, and the products
 //! are exact in 128 bits, so that equal values have exactly their value as mean. Overflow would take 2^40 surfaces.
+//!
+//! Most triangles have one colour and one normal all over. Of their colour only the weights are summed, and multiplied
+//! with it when another colour comes or the cell is taken, which gives the same sums. Of their normal only the direction
+//! of the mean counts, so that area and normal need not be taken apart: half the product of two edges is both.
 
 use std::cmp::Ordering;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{Channel, Rule, Source, Values};
-use crate::sparse::CELLS;
+use crate::sparse::{CELLS, Mask, SIDE};
 
 /// Units of weight in one cell face.
 const WEIGHT_UNITS: f64 = (1u64 << 22) as f64;
 /// Steps of a value in one.
 const VALUE_STEPS: f64 = (1u64 << 32) as f64;
+/// Unit normals whose mean is shorter than this cancel each other.
+const CANCELLED: f64 = 1e-6;
 /// The largest value that sums and averages see.
 const VALUE_LIMIT: f64 = (1u64 << 30) as f64;
 
@@ -35,6 +41,18 @@ impl Parts {
             point: own || channels.iter().any(|c| c.rule == Rule::Nearest),
         }
     }
+}
+
+/// Whether triangles that are alike all over can be summed by [`Accumulator::add_flat`].
+pub(crate) fn takes_flat(channels: &[Channel]) -> bool {
+    channels.iter().all(|channel| {
+        channel.rule == Rule::Average
+            && match channel.source {
+                Source::Albedo | Source::Emission => !channel.unit,
+                Source::Normal => channel.unit,
+                Source::Area | Source::Custom(_) => false,
+            }
+    })
 }
 
 /// One piece of surface in one cell, and its values in each channel.
@@ -98,17 +116,89 @@ pub(crate) struct Accumulator<'a> {
     channels: &'a [Channel],
     weights: Vec<u64>,
     lanes: Vec<Lane>,
+    /// Cells whose averages hold something.
+    summed: Mask,
+    /// Weights that are still to be multiplied with `flat`, and the cells that have some.
+    owed: Vec<u64>,
+    owing: Mask,
+    /// Values of flat triangles per channel.
+    flat: Vec<[i64; 4]>,
 }
 
 impl<'a> Accumulator<'a> {
     pub(crate) fn new(channels: &'a [Channel]) -> Self {
-        Self { channels, weights: vec![0; CELLS], lanes: channels.iter().map(Lane::new).collect() }
+        Self {
+            channels,
+            weights: vec![0; CELLS],
+            lanes: channels.iter().map(Lane::new).collect(),
+            summed: [0; SIDE as usize],
+            owed: vec![0; CELLS],
+            owing: [0; SIDE as usize],
+            flat: vec![[0; 4]; channels.len()],
+        }
+    }
+
+    /// The values of flat triangles from now on, as [`fixed`] makes them; normals aside.
+    pub(crate) fn set_flat(&mut self, values: &[[i64; 4]]) {
+        self.settle();
+        self.flat.copy_from_slice(values);
+    }
+
+    /// Adds a piece of a flat triangle, with its area times the unit normal, and anything that points like the normal.
+    #[inline]
+    pub(crate) fn add_flat(&mut self, cell: usize, area: f64, area_normal: DVec3, direction: DVec3) {
+        let weight = integer(area * WEIGHT_UNITS);
+        // Room for more digits than the integers of one step have.
+        const COARSE: u32 = 5;
+        let (weight, normal) = if weight > 0 {
+            let steps = area_normal * (WEIGHT_UNITS * VALUE_STEPS / f64::from(1 << COARSE));
+            (weight, [steps.x, steps.y, steps.z].map(|v| integer(v) << COARSE))
+        } else {
+            let [x, y, z, _] = fixed(unit(direction).extend(0.0).to_array(), 3);
+            (1, [x, y, z])
+        };
+        self.weights[cell] = self.weights[cell].wrapping_add(weight as u64);
+        self.owed[cell] = self.owed[cell].wrapping_add(weight as u64);
+        self.owing[cell >> 6] |= 1 << (cell & 63);
+        for (lane, channel) in self.lanes.iter_mut().zip(self.channels) {
+            if let (Lane::Average(sums), Source::Normal) = (lane, &channel.source) {
+                for (sum, value) in sums[3 * cell..3 * cell + 3].iter_mut().zip(normal) {
+                    *sum = sum.wrapping_add(i128::from(value));
+                }
+            }
+        }
+    }
+
+    /// Multiplies what is still to be multiplied.
+    pub(crate) fn settle(&mut self) {
+        for z in 0..self.owing.len() {
+            let mut word = std::mem::take(&mut self.owing[z]);
+            self.summed[z] |= word;
+            while word != 0 {
+                let cell = 64 * z + word.trailing_zeros() as usize;
+                word &= word - 1;
+                self.settle_cell(cell);
+            }
+        }
+    }
+
+    fn settle_cell(&mut self, cell: usize) {
+        let owed = std::mem::take(&mut self.owed[cell]);
+        for ((lane, channel), flat) in self.lanes.iter_mut().zip(self.channels).zip(&self.flat) {
+            if let (Lane::Average(sums), false) = (lane, matches!(channel.source, Source::Normal)) {
+                let numbers = cell * channel.components..(cell + 1) * channel.components;
+                for (sum, &value) in sums[numbers].iter_mut().zip(flat) {
+                    *sum = sum.wrapping_add(i128::from(owed) * i128::from(value));
+                }
+            }
+        }
     }
 
     #[inline]
     pub(crate) fn add(&mut self, fragment: &Fragment<'_>) {
         let cell = fragment.cell;
         let weight = ((fragment.area * WEIGHT_UNITS + 0.5) as u64).max(1);
+        self.summed[cell >> 6] |= 1 << (cell & 63);
         self.weights[cell] = self.weights[cell].wrapping_add(weight);
         for (n, (lane, channel)) in self.lanes.iter_mut().zip(self.channels).enumerate() {
             let components = channel.components;
@@ -140,8 +230,9 @@ impl<'a> Accumulator<'a> {
         }
     }
 
-    /// Adds the sums of another part of the same brick.
+    /// Adds the sums of another part of the same brick; both are settled.
     pub(crate) fn merge(&mut self, other: &Self) {
+        self.summed.iter_mut().zip(other.summed).for_each(|(a, b)| *a |= b);
         self.weights.iter_mut().zip(&other.weights).for_each(|(a, b)| *a = a.wrapping_add(*b));
         for lanes in self.lanes.iter_mut().zip(&other.lanes) {
             match lanes {
@@ -161,14 +252,42 @@ impl<'a> Accumulator<'a> {
 
     /// Appends a cell's results to one list per channel and forgets its sums.
     pub(crate) fn take(&mut self, cell: usize, results: &mut [Values]) {
+        let (z, bit) = (cell >> 6, 1u64 << (cell & 63));
+        let (owing, summed) = (self.owing[z] & bit != 0, self.summed[z] & bit != 0);
+        // Equal values have exactly their value as mean.
+        let is_flat = owing && !summed;
+        if owing && summed {
+            self.settle_cell(cell);
+        }
+        self.owing[z] &= !bit;
+        self.summed[z] &= !bit;
+        self.owed[cell] = 0;
         let weight = std::mem::take(&mut self.weights[cell]) as f64;
-        for ((lane, channel), results) in self.lanes.iter_mut().zip(self.channels).zip(results) {
+        for (n, results) in results.iter_mut().enumerate() {
+            let channel = &self.channels[n];
             let numbers = cell * channel.components..(cell + 1) * channel.components;
             let mut values = [0.0f32; 4];
-            match lane {
+            match &mut self.lanes[n] {
+                Lane::Average(sums) if channel.unit => {
+                    let mean = |sum: &mut i128| to_f64(std::mem::take(sum)) / VALUE_STEPS;
+                    let mut means = sums[numbers].iter_mut().map(mean);
+                    let mut next = || means.next().unwrap_or(0.0);
+                    let mean = DVec3::new(next(), next(), next());
+                    values[3] = (next() / weight) as f32;
+                    let length = mean.length();
+                    if length > CANCELLED * weight {
+                        values[..3].copy_from_slice(&(mean / length).as_vec3().to_array());
+                    }
+                }
+                Lane::Average(_) if is_flat => {
+                    for (value, fixed) in values.iter_mut().zip(self.flat[n]) {
+                        *value = (fixed as f64 / VALUE_STEPS) as f32;
+                    }
+                }
                 Lane::Average(sums) => {
+                    let per_weight = 1.0 / (weight * VALUE_STEPS);
                     for (value, sum) in values.iter_mut().zip(&mut sums[numbers]) {
-                        *value = (to_f64(std::mem::take(sum)) / weight / VALUE_STEPS) as f32;
+                        *value = (to_f64(std::mem::take(sum)) * per_weight) as f32;
                     }
                 }
                 Lane::Sum(sums) => {
@@ -183,20 +302,46 @@ impl<'a> Accumulator<'a> {
                 }
                 Lane::Nearest(nearest) => values = std::mem::replace(&mut nearest[cell], FARTHEST).1,
             }
-            if channel.unit {
+            if channel.unit && channel.rule != Rule::Average {
                 let unit = Vec3::new(values[0], values[1], values[2]).normalize_or_zero();
                 values[..3].copy_from_slice(&unit.to_array());
             }
-            for value in &values[..channel.components] {
-                results.push(if value.is_finite() { *value } else { 0.0 }, channel.range);
+            for value in &mut values {
+                *value = if value.is_finite() { *value } else { 0.0 };
             }
+            results.push(&values[..channel.components], channel.range);
         }
     }
 }
 
 /// Most sums fit into 64 bits, whose conversion is an instruction and not a call.
+#[inline]
 fn to_f64(sum: i128) -> f64 {
-    i64::try_from(sum).map_or_else(|_| sum as f64, |sum| sum as f64)
+    // Not inlined, or the compiler finds the two to be one.
+    #[cold]
+    #[inline(never)]
+    fn large(sum: i128) -> f64 {
+        sum as f64
+    }
+    let low = sum as i64;
+    if i128::from(low) == sum { low as f64 } else { large(sum) }
+}
+
+/// The nearest integer of what is less than 2^51 from zero, in one addition and without a check for more.
+#[inline]
+fn integer(v: f64) -> i64 {
+    const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+    ((v + MAGIC).to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64)
+}
+
+/// Unit length in f32; zero for what has no direction. Largest component first: squares of tiny triangles underflow.
+pub(crate) fn unit(v: DVec3) -> Vec3 {
+    let largest = v.abs().max_element();
+    if largest > 0.0 && largest.is_finite() {
+        (v / largest).normalize_or_zero().as_vec3()
+    } else {
+        Vec3::ZERO
+    }
 }
 
 #[cfg(test)]

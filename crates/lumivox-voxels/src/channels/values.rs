@@ -85,11 +85,15 @@ impl Values {
         }
     }
 
-    pub(crate) fn push(&mut self, value: f32, range: [f32; 2]) {
+    /// Appends numbers.
+    #[inline]
+    pub(crate) fn push(&mut self, values: &[f32], range: [f32; 2]) {
         match self {
-            Self::U8(v) => v.push(encode_u8(value, range)),
-            Self::F16(v) => v.push(f16::from_f32(value.clamp(-65504.0, 65504.0))),
-            Self::F32(v) => v.push(value),
+            Self::U8(v) => v.extend(values.iter().map(|&value| encode_u8(value, range))),
+            Self::F16(v) => {
+                v.extend(values.iter().map(|value| f16::from_f32(value.clamp(-65504.0, 65504.0))));
+            }
+            Self::F32(v) => v.extend_from_slice(values),
         }
     }
 
@@ -99,13 +103,14 @@ impl Values {
             (Self::U8(to), Self::U8(from)) => to.extend_from_slice(&from),
             (Self::F16(to), Self::F16(from)) => to.extend_from_slice(&from),
             (Self::F32(to), Self::F32(from)) => to.extend_from_slice(&from),
-            (to, from) => (0..from.len()).for_each(|n| to.push(from.get(n, [0.0, 1.0]), [0.0, 1.0])),
+            (to, from) => (0..from.len()).for_each(|n| to.push(&[from.get(n, [0.0, 1.0])], [0.0, 1.0])),
         }
     }
 }
 
 fn encode_u8(value: f32, [low, high]: [f32; 2]) -> u8 {
-    (255.0 * (value - low) / (high - low)).round() as u8
+    // `as` cuts off, takes NaN to zero, and is one instruction where `round` is a call.
+    (255.0 * (value - low) / (high - low) + 0.5) as u8
 }
 
 fn decode_u8(byte: u8, [low, high]: [f32; 2]) -> f32 {
@@ -124,7 +129,7 @@ mod tests {
             (Format::F32, [-1.0e30, 0.1, 3.0e38], [0.0, 1.0], 0.0),
         ] {
             let mut stored = Values::new(format);
-            values.iter().for_each(|&v| stored.push(v, range));
+            stored.push(&values, range);
             assert_eq!((stored.format(), stored.len()), (format, 3));
             assert_eq!(stored.as_bytes().len(), 3 * format.bytes());
             for (n, &value) in values.iter().enumerate() {
@@ -136,10 +141,10 @@ mod tests {
     #[test]
     fn values_beyond_a_format_are_cut_off() {
         let mut bytes = Values::new(Format::U8);
-        [-3.0, 7.0, f32::NAN].iter().for_each(|&v| bytes.push(v, [0.0, 1.0]));
+        bytes.push(&[-3.0, 7.0, f32::NAN], [0.0, 1.0]);
         assert_eq!(bytes, Values::U8(vec![0, 255, 0]));
         let mut halves = Values::new(Format::F16);
-        halves.push(1e9, [0.0, 1.0]);
+        halves.push(&[1e9], [0.0, 1.0]);
         assert_eq!(halves.get(0, [0.0, 1.0]), 65504.0);
     }
 }
