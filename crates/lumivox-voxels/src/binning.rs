@@ -8,13 +8,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{IVec3, UVec3};
 
+use crate::channels::FlatPiece;
 use crate::coverage::{self, CellBox, Coverage};
+use crate::fragment::share_above;
 use crate::job::{Chunk, Job, Reached};
+use crate::runs::{OpenRuns, Run};
 use crate::sparse::{Directory, Mask, SHIFT, SIDE, brick_index, bricks_along};
+use crate::surface::Face;
 
 /// Triangles that reach more bricks than this leave their cells to the stage that works brick by brick, so that one
 /// large triangle keeps all threads busy.
 const FEW_BRICKS: i32 = 8;
+
+/// Pairs of triangle and brick that take as much memory as one sum of small triangles.
+const RUN_PAIRS: usize = 7;
 
 /// Lists of one chunk.
 pub(crate) struct Bins {
@@ -26,6 +33,9 @@ pub(crate) struct Bins {
     starts: Vec<u32>,
     /// Triangles, by number in their mesh.
     items: Vec<u32>,
+    /// The same for sums of small triangles.
+    run_starts: Vec<u32>,
+    runs: Vec<Run>,
     /// Triangles that were not finite or named no vertex.
     pub(crate) skipped: u64,
 }
@@ -35,6 +45,11 @@ impl Bins {
     pub(crate) fn items(&self, n: u32) -> &[u32] {
         &self.items[self.starts[n as usize] as usize..self.starts[n as usize + 1] as usize]
     }
+
+    /// The sums of small triangles in brick number `n` of this chunk.
+    pub(crate) fn runs(&self, n: u32) -> &[Run] {
+        &self.runs[self.run_starts[n as usize] as usize..self.run_starts[n as usize + 1] as usize]
+    }
 }
 
 /// The bricks that a chunk is about to fill.
@@ -43,8 +58,9 @@ struct Builder {
     directory: Directory,
     bricks: Vec<u32>,
     masks: Vec<Mask>,
-    counts: Vec<u32>,
     pairs: Vec<[u32; 2]>,
+    open: OpenRuns,
+    runs: Vec<(u32, Run)>,
     last: (IVec3, u32),
 }
 
@@ -56,8 +72,9 @@ impl Builder {
             directory: Directory::new(along),
             bricks: Vec::new(),
             masks: Vec::new(),
-            counts: Vec::new(),
             pairs: Vec::new(),
+            open: OpenRuns::new(),
+            runs: Vec::new(),
             last: (IVec3::splat(-1), 0),
         }
     }
@@ -80,7 +97,6 @@ impl Builder {
         if number == new {
             self.bricks.push(brick_index(self.along, place));
             self.masks.push([0; SIDE as usize]);
-            self.counts.push(0);
         }
         self.last = (brick, number);
     }
@@ -95,29 +111,54 @@ impl Builder {
     #[inline]
     fn push(&mut self, brick: IVec3, triangle: u32) {
         let number = self.number(brick);
-        self.counts[number] += 1;
         self.pairs.push([number as u32, triangle]);
     }
 
-    /// Sorts the pairs by brick.
-    fn finish(self, keeps_masks: bool, skipped: u64) -> Bins {
-        let mut starts = Vec::with_capacity(self.counts.len() + 1);
-        let mut sum = 0;
-        for count in self.counts {
-            starts.push(sum);
-            sum += count;
-        }
-        starts.push(sum);
-        let mut next = starts.clone();
-        let mut items = vec![0; self.pairs.len()];
-        for [number, triangle] in self.pairs {
-            let place = &mut next[number as usize];
-            items[*place as usize] = triangle;
-            *place += 1;
-        }
-        let masks = if keeps_masks { self.masks } else { Vec::new() };
-        Bins { bricks: self.bricks, masks, starts, items, skipped }
+    /// What it holds, in pairs.
+    fn len(&self) -> usize {
+        self.pairs.len() + RUN_PAIRS * self.runs.len()
     }
+
+    #[inline(always)]
+    fn sum(&mut self, cell: IVec3, piece: FlatPiece) {
+        if let Some(run) = self.open.add(cell, piece) {
+            self.push_run(run);
+        }
+    }
+
+    #[inline(never)]
+    fn push_run(&mut self, run: Run) {
+        let number = self.number(run.cell >> SHIFT);
+        self.runs.push((number as u32, run));
+    }
+
+    /// Sorts the pairs and the sums by brick.
+    fn finish(mut self, keeps_masks: bool, skipped: u64) -> Bins {
+        let open = std::mem::replace(&mut self.open, OpenRuns::new());
+        open.finish().for_each(|run| self.push_run(run));
+        let (starts, items) = sorted(self.bricks.len(), self.pairs.iter().map(|&[number, t]| (number, t)));
+        let (run_starts, runs) = sorted(self.bricks.len(), self.runs.iter().copied());
+        let masks = if keeps_masks { self.masks } else { Vec::new() };
+        Bins { bricks: self.bricks, masks, starts, items, run_starts, runs, skipped }
+    }
+}
+
+/// Items in the order of their numbers, with the start of each number and the end of the last.
+fn sorted<T: Copy>(numbers: usize, items: impl Iterator<Item = (u32, T)> + Clone) -> (Vec<u32>, Vec<T>) {
+    let mut starts = vec![0; numbers + 1];
+    items.clone().for_each(|(number, _)| starts[number as usize + 1] += 1);
+    for n in 0..numbers {
+        starts[n + 1] += starts[n];
+    }
+    let Some((_, any)) = items.clone().next() else { return (starts, Vec::new()) };
+    let mut next = starts.clone();
+    let mut sorted = vec![any; starts[numbers] as usize];
+    for (number, item) in items {
+        let place = &mut next[number as usize];
+        sorted[*place as usize] = item;
+        *place += 1;
+    }
+    (starts, sorted)
 }
 
 /// Sorts a chunk into the bricks of `slab`; none if, with what other chunks have counted in `pairs`, there would be more
@@ -135,6 +176,7 @@ pub(crate) fn bin(
     // A triangle in one cell marks it, whatever its shape.
     let marks_one = !job.needs_fragments && job.coverage == Coverage::Exact;
     let mut last_one = None;
+    let flat = if job.coverage == Coverage::Exact { Face::flat(job, chunk.mesh) } else { None };
     let mut skipped = 0;
     let mut counted = 0;
     for number in chunk.triangles.clone() {
@@ -154,6 +196,12 @@ pub(crate) fn bin(
             continue;
         }
         let reach = reach.cells();
+        if let Some(face) = &flat
+            && (reach.high - reach.low).element_sum() <= 1
+            && sum_small(job, &mut builder, &cells, face, (chunk.mesh, number), reach)
+        {
+            continue;
+        }
         let within = reach.intersection(&cells);
         if within.is_empty() {
             continue;
@@ -172,17 +220,53 @@ pub(crate) fn bin(
             coverage::walk(Coverage::Exact, &coarse, &bricks, &mut |brick| builder.push(brick, number));
         }
         // Counted now and then, since one triangle may have a hundred thousand bricks.
-        if builder.pairs.len() - counted > 4096 {
-            let new = (builder.pairs.len() - counted) as u64;
-            counted = builder.pairs.len();
+        if builder.len() - counted > 4096 {
+            let new = (builder.len() - counted) as u64;
+            counted = builder.len();
             if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
                 return None;
             }
         }
     }
-    let new = (builder.pairs.len() - counted) as u64;
+    let new = (builder.len() - counted) as u64;
     if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
         return None;
     }
     Some(builder.finish(!job.needs_fragments, skipped))
+}
+
+/// Sums a triangle of one or two cells, if it is flat.
+#[inline(always)]
+fn sum_small(
+    job: &Job<'_>,
+    builder: &mut Builder,
+    cells: &CellBox,
+    face: &Face<'_>,
+    (mesh, number): (usize, u32),
+    reach: CellBox,
+) -> bool {
+    let triangle = job.triangle(mesh, number, reach);
+    let normal = triangle.normal();
+    let Some(face) = face.with(job, number, normal) else { return false };
+    let all = 0.5 * normal.length();
+    let (direction, is_doubled_area) = face.direction();
+    let area_normal = direction * if is_doubled_area { 0.5 } else { all };
+    let CellBox { low, high } = reach;
+    if low == high {
+        if cells.contains(low) {
+            builder.sum(low, FlatPiece::new(all, area_normal, direction));
+        }
+        return true;
+    }
+    let step = high - low;
+    let axis = usize::from(step.y == 1) + 2 * usize::from(step.z == 1);
+    let boundary = f64::from(high[axis]);
+    let [a, b, c] = triangle.corners;
+    let above = share_above(a[axis] - boundary, b[axis] - boundary, c[axis] - boundary);
+    for (cell, share) in [(low, 1.0 - above), (high, above)] {
+        if cells.contains(cell) {
+            builder.sum(cell, FlatPiece::new(share * all, share * area_normal, direction));
+        }
+    }
+    true
 }

@@ -4,17 +4,19 @@ use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
 use crate::areas::Areas;
-use crate::channels::{Accumulator, Fragment, Values};
+use crate::channels::{Accumulator, FlatPiece, Fragment, Values};
 use crate::coverage::{self, CellBox, Coverage, Triangle};
 use crate::fragment::{self, Piece};
 use crate::job::Job;
+use crate::runs::Run;
 use crate::sparse::{Mask, SHIFT, SIDE};
 use crate::surface::Face;
 
-/// Triangles of one mesh in one brick.
+/// Triangles of one mesh in one brick, and sums of others.
 pub(crate) struct Batch<'a> {
     pub(crate) mesh: usize,
     pub(crate) triangles: &'a [u32],
+    pub(crate) runs: &'a [Run],
 }
 
 /// A brick with more triangles than this is shared among threads.
@@ -73,10 +75,17 @@ impl<'a> Worker<'a> {
 
     /// Many triangles, in parts that go to threads; sums are integers, so that it does not matter which.
     fn shared(&mut self, brick: UVec3, batches: &[Batch<'_>], mask: &mut Mask) {
+        for batch in batches.iter().filter(|batch| !batch.runs.is_empty()) {
+            self.batch(brick, &Batch { triangles: &[], ..*batch }, mask);
+        }
         let parts: Vec<Batch<'_>> = batches
             .iter()
             .flat_map(|batch| {
-                batch.triangles.chunks(SHARE).map(|triangles| Batch { mesh: batch.mesh, triangles })
+                batch.triangles.chunks(SHARE).map(|triangles| Batch {
+                    mesh: batch.mesh,
+                    triangles,
+                    runs: &[],
+                })
             })
             .collect();
         // Groups of parts, so that small batches do not each bring sums of their own.
@@ -102,6 +111,12 @@ impl<'a> Worker<'a> {
         let low = brick.as_ivec3() << SHIFT;
         let cells = CellBox { low, high: low + (SIDE as i32 - 1) };
         let cells = cells.intersection(&CellBox::of_grid(self.job.dims()));
+        if let Some(face) = batch.runs.first().and_then(|_| Face::flat(self.job, batch.mesh)) {
+            self.begin_flat(&face);
+            for run in batch.runs {
+                self.sums.add_flat(mark(mask, &cells, run.cell), &run.sum);
+            }
+        }
         for &number in batch.triangles {
             if self.job.needs_fragments {
                 self.fragments(&cells, batch.mesh, number, mask);
@@ -154,6 +169,16 @@ impl<'a> Worker<'a> {
         });
     }
 
+    /// From now on flat triangles are like this one.
+    #[inline]
+    fn begin_flat(&mut self, face: &Face<'_>) {
+        if self.constants != Some(face.constants()) {
+            self.constants = Some(face.constants());
+            face.shade_flat(self.job.channels, &mut self.fixed);
+            self.sums.set_flat(&self.fixed);
+        }
+    }
+
     /// A triangle with one colour and one normal, in channels of averages.
     #[inline]
     fn flat(
@@ -164,12 +189,7 @@ impl<'a> Worker<'a> {
         face: &Face<'_>,
         mask: &mut Mask,
     ) {
-        if self.constants != Some(face.constants()) {
-            self.constants = Some(face.constants());
-            let nothing = Piece { area: 0.0, point: DVec3::ZERO };
-            face.shade(self.job, triangle, &nothing, &mut self.values, &mut self.fixed);
-            self.sums.set_flat(&self.fixed);
-        }
+        self.begin_flat(face);
         let length = normal.length();
         let (direction, is_doubled_area) = face.direction();
         if self.job.coverage == Coverage::Exact && triangle.reach.low == triangle.reach.high {
@@ -177,7 +197,7 @@ impl<'a> Worker<'a> {
             let area_normal = direction * if is_doubled_area { 0.5 } else { area };
             if cells.contains(triangle.reach.low) {
                 let cell = mark(mask, cells, triangle.reach.low);
-                self.sums.add_flat(cell, area, area_normal, direction);
+                self.sums.add_flat(cell, &FlatPiece::new(area, area_normal, direction));
             }
             return;
         }
@@ -193,7 +213,8 @@ impl<'a> Worker<'a> {
                 Coverage::Sampled => sampled,
                 _ => self.areas.in_cell(triangle, cell),
             };
-            self.sums.add_flat(mark(mask, cells, cell), area, area * per_area, direction);
+            let piece = FlatPiece::new(area, area * per_area, direction);
+            self.sums.add_flat(mark(mask, cells, cell), &piece);
         });
     }
 }

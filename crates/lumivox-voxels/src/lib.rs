@@ -41,6 +41,7 @@ mod model;
 mod options;
 mod plan;
 mod report;
+mod runs;
 mod sparse;
 mod surface;
 mod voxelize;

@@ -76,12 +76,50 @@ impl<'a> Face<'a> {
         let asked = &job.asked;
         let corner_normal = if asked.normal { equal_normals(view, number) } else { None };
         let varies = asked.own
-            || material.alpha_cutoff.is_some()
-            || (asked.albedo && (view.colors.is_some() || material.base_color_texture.is_some()))
-            || (asked.emission && material.emission_texture.is_some())
+            || varies(asked, view, material)
             || (asked.normal && view.normals.is_some() && corner_normal.is_none());
         let normal = f64::from(placed.side) * normal;
         Self { mesh, number, view, placed, material_number, material, normal, corner_normal, varies }
+    }
+
+    /// A stand-in for the faces of a mesh that are all flat and of one material, if it is such a mesh.
+    pub(crate) fn flat(job: &'a Job<'a>, mesh: usize) -> Option<Self> {
+        let view = &job.model.meshes[mesh];
+        let MaterialOf::Mesh(material_number) = view.material else { return None };
+        let material = job.model.materials.get(material_number).unwrap_or(&job.plain);
+        (job.takes_flat && !varies(&job.asked, view, material)).then(|| Self {
+            mesh,
+            number: 0,
+            view,
+            placed: &job.placed[mesh],
+            material_number,
+            material,
+            normal: DVec3::ZERO,
+            corner_normal: None,
+            varies: false,
+        })
+    }
+
+    /// The face of a triangle of such a mesh; none if its normals differ.
+    #[inline(always)]
+    pub(crate) fn with(&self, job: &Job<'_>, number: u32, normal: DVec3) -> Option<Self> {
+        let mut face = Self { number, normal: f64::from(self.placed.side) * normal, ..*self };
+        if job.asked.normal && self.view.normals.is_some() {
+            face.corner_normal = Some(equal_normals(self.view, number)?);
+        }
+        Some(face)
+    }
+
+    /// The values of channels of colours in fixed point.
+    pub(crate) fn shade_flat(&self, channels: &[Channel], fixed_values: &mut [[i64; 4]]) {
+        for (channel, fixed_values) in channels.iter().zip(fixed_values) {
+            let value = match channel.source {
+                Source::Albedo => self.material.base_color.to_array(),
+                Source::Emission => self.material.emission.extend(0.0).to_array(),
+                _ => [0.0; 4],
+            };
+            *fixed_values = fixed(value, channel.components);
+        }
     }
 
     /// What points as the normals of a face do that has one normal, with the face's area times two as length if it is
@@ -185,6 +223,13 @@ impl<'a> Face<'a> {
             material: self.material_number,
         }
     }
+}
+
+/// Whether colours or outlines depend on where one looks on a mesh.
+fn varies(asked: &Asked, view: &MeshView<'_>, material: &Material<'_>) -> bool {
+    material.alpha_cutoff.is_some()
+        || (asked.albedo && (view.colors.is_some() || material.base_color_texture.is_some()))
+        || (asked.emission && material.emission_texture.is_some())
 }
 
 /// The normal of a triangle whose corners have the same.

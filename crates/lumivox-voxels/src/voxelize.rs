@@ -156,7 +156,8 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
     let mut end = 0;
     while end < rest.len() {
         let segment = rest[end];
-        work += 8 + bins[segment.chunk as usize].items(segment.number).len();
+        let bins = &bins[segment.chunk as usize];
+        work += 8 + bins.items(segment.number).len() + bins.runs(segment.number).len() / 4;
         end += 1;
         let is_last = rest.get(end).is_none_or(|next| next.brick != segment.brick);
         if is_last && (work >= TASK || end == rest.len()) {
@@ -194,9 +195,9 @@ fn packet(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], segments: &[Segment]) 
             if let Some(marked) = bins.masks.get(segment.number as usize) {
                 mask.iter_mut().zip(marked).for_each(|(a, b)| *a |= b);
             }
-            let triangles = bins.items(segment.number);
-            if !triangles.is_empty() {
-                batches.push(Batch { mesh: chunks[segment.chunk as usize].mesh, triangles });
+            let (triangles, runs) = (bins.items(segment.number), bins.runs(segment.number));
+            if !triangles.is_empty() || !runs.is_empty() {
+                batches.push(Batch { mesh: chunks[segment.chunk as usize].mesh, triangles, runs });
             }
         }
         let brick = same_brick[0].brick;

@@ -45,14 +45,15 @@ impl Parts {
 
 /// Whether triangles that are alike all over can be summed by [`Accumulator::add_flat`].
 pub(crate) fn takes_flat(channels: &[Channel]) -> bool {
-    channels.iter().all(|channel| {
+    let takes = |channel: &Channel| {
         channel.rule == Rule::Average
             && match channel.source {
                 Source::Albedo | Source::Emission => !channel.unit,
                 Source::Normal => channel.unit,
                 Source::Area | Source::Custom(_) => false,
             }
-    })
+    };
+    !channels.is_empty() && channels.iter().all(takes)
 }
 
 /// One piece of surface in one cell, and its values in each channel.
@@ -110,6 +111,46 @@ fn goes_before(a: &(f32, [f32; 4]), b: &(f32, [f32; 4])) -> bool {
     a.0.total_cmp(&b.0).then_with(|| by_values().unwrap_or(Ordering::Equal)).is_lt()
 }
 
+/// Pieces of flat triangles, as sums see them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlatPiece {
+    /// Areas in steps of weights.
+    pub(crate) weight: u64,
+    /// Areas times unit normals, in steps of weights times steps of values.
+    normal: [i64; 3],
+}
+
+impl FlatPiece {
+    pub(crate) const NOTHING: Self = Self { weight: 0, normal: [0; 3] };
+
+    /// A piece with its area times the unit normal, and anything that points like the normal.
+    #[inline(always)]
+    pub(crate) fn new(area: f64, area_normal: DVec3, direction: DVec3) -> Self {
+        // Room for more digits than the integers of one step have.
+        const COARSE: u32 = 5;
+        let weight = integer(area * WEIGHT_UNITS);
+        if weight <= 0 {
+            return Self::dust(direction);
+        }
+        let steps = area_normal * (WEIGHT_UNITS * VALUE_STEPS / f64::from(1 << COARSE));
+        let normal = [steps.x, steps.y, steps.z].map(|v| integer(v) << COARSE);
+        Self { weight: weight as u64, normal }
+    }
+
+    /// A piece with hardly any area.
+    #[cold]
+    fn dust(direction: DVec3) -> Self {
+        let [x, y, z, _] = fixed(unit(direction).extend(0.0).to_array(), 3);
+        Self { weight: 1, normal: [x, y, z] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.weight += other.weight;
+        self.normal.iter_mut().zip(other.normal).for_each(|(a, b)| *a += b);
+    }
+}
+
 /// The sums of all channels in the cells of one brick.
 #[derive(Clone, Debug)]
 pub(crate) struct Accumulator<'a> {
@@ -123,6 +164,8 @@ pub(crate) struct Accumulator<'a> {
     owing: Mask,
     /// Values of flat triangles per channel.
     flat: Vec<[i64; 4]>,
+    /// Which lanes hold normals.
+    normal_lanes: Vec<usize>,
 }
 
 impl<'a> Accumulator<'a> {
@@ -135,6 +178,9 @@ impl<'a> Accumulator<'a> {
             owed: vec![0; CELLS],
             owing: [0; SIDE as usize],
             flat: vec![[0; 4]; channels.len()],
+            normal_lanes: (0..channels.len())
+                .filter(|&n| matches!(channels[n].source, Source::Normal))
+                .collect(),
         }
     }
 
@@ -144,25 +190,15 @@ impl<'a> Accumulator<'a> {
         self.flat.copy_from_slice(values);
     }
 
-    /// Adds a piece of a flat triangle, with its area times the unit normal, and anything that points like the normal.
-    #[inline]
-    pub(crate) fn add_flat(&mut self, cell: usize, area: f64, area_normal: DVec3, direction: DVec3) {
-        let weight = integer(area * WEIGHT_UNITS);
-        // Room for more digits than the integers of one step have.
-        const COARSE: u32 = 5;
-        let (weight, normal) = if weight > 0 {
-            let steps = area_normal * (WEIGHT_UNITS * VALUE_STEPS / f64::from(1 << COARSE));
-            (weight, [steps.x, steps.y, steps.z].map(|v| integer(v) << COARSE))
-        } else {
-            let [x, y, z, _] = fixed(unit(direction).extend(0.0).to_array(), 3);
-            (1, [x, y, z])
-        };
-        self.weights[cell] = self.weights[cell].wrapping_add(weight as u64);
-        self.owed[cell] = self.owed[cell].wrapping_add(weight as u64);
+    /// Adds pieces of flat triangles.
+    #[inline(always)]
+    pub(crate) fn add_flat(&mut self, cell: usize, piece: &FlatPiece) {
+        self.weights[cell] = self.weights[cell].wrapping_add(piece.weight);
+        self.owed[cell] = self.owed[cell].wrapping_add(piece.weight);
         self.owing[cell >> 6] |= 1 << (cell & 63);
-        for (lane, channel) in self.lanes.iter_mut().zip(self.channels) {
-            if let (Lane::Average(sums), Source::Normal) = (lane, &channel.source) {
-                for (sum, value) in sums[3 * cell..3 * cell + 3].iter_mut().zip(normal) {
+        for lane in &self.normal_lanes {
+            if let Some(Lane::Average(sums)) = self.lanes.get_mut(*lane) {
+                for (sum, value) in sums[3 * cell..3 * cell + 3].iter_mut().zip(piece.normal) {
                     *sum = sum.wrapping_add(i128::from(value));
                 }
             }

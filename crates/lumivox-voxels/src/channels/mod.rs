@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
 
-pub(crate) use accumulate::{Accumulator, Fragment, Parts, fixed, takes_flat, unit};
+pub(crate) use accumulate::{Accumulator, FlatPiece, Fragment, Parts, fixed, takes_flat, unit};
 pub use values::{Format, Values};
 
 /// One piece of surface in one cell, as channels see it.
