@@ -3,7 +3,7 @@
 //! Seen along the axis that it faces most, the triangle is cut into layers of cells once. The part of a layer in a cell
 //! is then a polygon in a square, and its area a sum over the polygon's edges (Green's theorem): what lies below an
 //! edge within the square, `integral of clamp(y - low, 0, 1) dx`, which has a closed form. So a cell takes no branch and
-//! no division, where cutting takes both for every corner.
+//! no division, where cutting takes both for every corner; edges go in pairs through vector registers.
 
 use glam::{DVec3, IVec3};
 
@@ -11,41 +11,18 @@ use crate::coverage::{CellBox, Triangle, dominant};
 use crate::fragment::share_above;
 use crate::sparse::SIDE;
 
-/// Edges of a triangle between two planes.
-const EDGES: usize = 5;
+/// Edges of the part of a triangle between two planes: of the side through the middle corner the lower and the upper
+/// part, the long side, and two chords; one more makes pairs.
+const EDGES: usize = 6;
+/// Of these the ones that a whole triangle has, and one more.
+const WHOLE: usize = 4;
+const LOWER: usize = 0;
+const UPPER: usize = 1;
+const LONG: usize = 2;
+const BOTTOM: usize = 3;
+const TOP: usize = 4;
 /// Heights over one cell that differ by less count as level: quotients of such differences have no digits.
 const LEVEL: f64 = 1e-7;
-
-/// An edge from `x` to `x_end` at height `y + slope (x' - x)`.
-#[derive(Clone, Copy, Debug, Default)]
-struct Edge {
-    x: f64,
-    x_end: f64,
-    y: f64,
-    slope: f64,
-    inverse: f64,
-}
-
-impl Edge {
-    fn new([x, y]: [f64; 2], [x_end, y_end]: [f64; 2]) -> Self {
-        let (dx, dy) = (x_end - x, y_end - y);
-        let slope = if dx == 0.0 { 0.0 } else { dy / dx };
-        let inverse = if slope == 0.0 { 0.0 } else { 1.0 / slope };
-        Self { x, x_end, y, slope, inverse }
-    }
-
-    /// The signed area below the edge in the unit square at `low`.
-    #[inline(always)]
-    fn below(&self, low: [f64; 2]) -> f64 {
-        let from = smaller(larger(self.x, low[0]), low[0] + 1.0);
-        let to = smaller(larger(self.x_end, low[0]), low[0] + 1.0);
-        let from_height = self.y + self.slope * (from - self.x) - low[1];
-        let to_height = self.y + self.slope * (to - self.x) - low[1];
-        let slanted = (integral(to_height) - integral(from_height)) * self.inverse;
-        let level = unit_clamped(0.5 * (from_height + to_height)) * (to - from);
-        if (to_height - from_height).abs() > LEVEL { slanted } else { level }
-    }
-}
 
 /// The integral of `clamp(t, 0, 1)` from 0.
 #[inline(always)]
@@ -70,11 +47,52 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The part of the triangle in one layer of cells.
+/// The edges of the part in one layer of cells, from `x` to `x_end`, at height `y` where they begin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Layer {
-    edges: [Edge; EDGES],
-    len: usize,
+    x: [f64; EDGES],
+    x_end: [f64; EDGES],
+    y: [f64; EDGES],
+    is_whole: bool,
+}
+
+impl Layer {
+    fn set(&mut self, edge: usize, from: DVec3, to: DVec3) {
+        (self.x[edge], self.x_end[edge], self.y[edge]) = (from.x, to.x, from.y);
+    }
+
+    /// The area of the part in the unit square at `low`, with a sign.
+    #[inline(always)]
+    fn within<const N: usize>(&self, slopes: &Slopes, low: [f64; 2]) -> f64 {
+        let mut below = [0.0; N];
+        for (n, below) in below.iter_mut().enumerate() {
+            let from = smaller(larger(self.x[n], low[0]), low[0] + 1.0);
+            let to = smaller(larger(self.x_end[n], low[0]), low[0] + 1.0);
+            let from_height = self.y[n] - low[1] + slopes.slope[n] * (from - self.x[n]);
+            let to_height = self.y[n] - low[1] + slopes.slope[n] * (to - self.x[n]);
+            let slanted = (integral(to_height) - integral(from_height)) * slopes.inverse[n];
+            let level = unit_clamped(0.5 * (from_height + to_height)) * (to - from);
+            *below = if (to_height - from_height).abs() > LEVEL { slanted } else { level };
+        }
+        below.iter().sum()
+    }
+}
+
+/// What an edge rises by per unit, and the inverse; zero for upright and level ones. All chords are parallel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slopes {
+    slope: [f64; EDGES],
+    inverse: [f64; EDGES],
+}
+
+impl Slopes {
+    fn set(&mut self, edge: usize, dx: f64, dy: f64) {
+        (self.slope[edge], self.inverse[edge]) = match () {
+            () if dx == 0.0 || !(dy / dx).is_finite() => (0.0, 0.0),
+            () if dy == 0.0 || !(dx / dy).is_finite() => (0.0, 0.0),
+            () => (dy / dx, dx / dy),
+        };
+    }
 }
 
 /// Room for the layers of one triangle in one brick, which is used again for the next.
@@ -83,6 +101,13 @@ pub(crate) struct Areas {
     layers: [Layer; SIDE as usize],
     /// Layers that are there, a bit each.
     made: u8,
+    /// Whether what follows is there.
+    is_set: bool,
+    slopes: Slopes,
+    /// Corners with the axis as z, the lowest first, and the inverse heights of the edges.
+    corners: [DVec3; 3],
+    per_height: [f64; 3],
+    normal: DVec3,
     axis: usize,
     /// Area of the triangle over that of its projection.
     scale: f64,
@@ -97,7 +122,8 @@ impl Areas {
         let facing = normal[self.axis].abs();
         self.scale = if facing > 0.0 { length / facing } else { 0.0 };
         self.all = 0.5 * length;
-        self.made = 0;
+        self.normal = normal;
+        (self.made, self.is_set) = (0, false);
     }
 
     /// Area of the triangle under one column of the axis that it faces most.
@@ -126,64 +152,98 @@ impl Areas {
 
     #[inline]
     fn in_layer(&mut self, triangle: &Triangle, cell: IVec3) -> f64 {
-        let (p, q) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
-        let number = (cell[self.axis] & (SIDE as i32 - 1)) as usize;
+        let cell = turned(self.axis, cell.to_array());
+        let number = (cell[2] & (SIDE as i32 - 1)) as usize;
         if self.made >> number & 1 == 0 {
             self.made |= 1 << number;
-            self.make(triangle, cell[self.axis], number);
+            self.make(triangle, cell[2], number);
         }
         let layer = &self.layers[number];
-        let low = [f64::from(cell[p]), f64::from(cell[q])];
-        let sum: f64 = layer.edges[..layer.len].iter().map(|edge| edge.below(low)).sum();
+        let low = [f64::from(cell[0]), f64::from(cell[1])];
+        let sum = match layer.is_whole {
+            true => layer.within::<WHOLE>(&self.slopes, low),
+            false => layer.within::<EDGES>(&self.slopes, low),
+        };
         self.scale * sum.abs()
+    }
+
+    /// Puts the corners in order and finds what all layers share.
+    fn set(&mut self, triangle: &Triangle) {
+        self.is_set = true;
+        let mut corners = triangle.corners.map(|corner| DVec3::from(turned(self.axis, corner.to_array())));
+        for (a, b) in [(0, 1), (1, 2), (0, 1)] {
+            if corners[a].z > corners[b].z {
+                corners.swap(a, b);
+            }
+        }
+        let [low, middle, high] = corners;
+        for (edge, way) in [(LOWER, middle - low), (UPPER, high - middle), (LONG, low - high)] {
+            self.slopes.set(edge, way.x, way.y);
+            self.per_height[edge] = if way.z == 0.0 { 0.0 } else { 1.0 / way.z };
+        }
+        let [p, q, _] = turned(self.axis, self.normal.to_array());
+        self.slopes.set(BOTTOM, q, -p);
+        (self.slopes.slope[TOP], self.slopes.inverse[TOP]) =
+            (self.slopes.slope[BOTTOM], self.slopes.inverse[BOTTOM]);
+        self.corners = corners;
     }
 
     #[inline(never)]
     fn make(&mut self, triangle: &Triangle, height: i32, number: usize) {
-        let (p, q) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
-        let mut corners = [[0.0; 3]; EDGES];
-        for (place, corner) in corners.iter_mut().zip(triangle.corners) {
-            *place = [corner[p], corner[q], corner[self.axis]];
+        if !self.is_set {
+            self.set(triangle);
         }
-        let mut len = 3;
-        let CellBox { low, high } = triangle.reach;
-        if low[self.axis] < height {
-            (corners, len) = cut(&corners[..len], f64::from(height), 1.0);
-        }
-        if high[self.axis] > height {
-            (corners, len) = cut(&corners[..len], f64::from(height) + 1.0, -1.0);
-        }
+        let [low, middle, high] = self.corners;
         let layer = &mut self.layers[number];
-        layer.len = len;
-        for n in 0..len {
-            let [from, to] = [corners[n], corners[if n + 1 == len { 0 } else { n + 1 }]];
-            layer.edges[n] = Edge::new([from[0], from[1]], [to[0], to[1]]);
+        layer.is_whole = triangle.reach.low[self.axis] == triangle.reach.high[self.axis];
+        if layer.is_whole {
+            layer.set(LOWER, low, middle);
+            layer.set(UPPER, middle, high);
+            layer.set(LONG, high, low);
+            return;
         }
+        let bottom = f64::from(height).max(low.z);
+        let top = (f64::from(height) + 1.0).min(high.z);
+        let at = |edge: usize, from: DVec3, to: DVec3, z: f64| {
+            from + (z - from.z) * self.per_height[edge] * (to - from)
+        };
+        let lower = |z: f64| at(LOWER, low, middle, z);
+        let upper = |z: f64| at(UPPER, middle, high, z);
+        let long = [bottom, top].map(|z| at(LONG, high, low, z));
+        let (begin, end) = match (bottom < middle.z, top < middle.z) {
+            (true, true) => {
+                let ends = (lower(bottom), lower(top));
+                layer.set(LOWER, ends.0, ends.1);
+                layer.set(UPPER, ends.1, ends.1);
+                ends
+            }
+            (true, false) => {
+                let ends = (lower(bottom), upper(top));
+                layer.set(LOWER, ends.0, middle);
+                layer.set(UPPER, middle, ends.1);
+                ends
+            }
+            _ => {
+                let ends = (upper(bottom), upper(top));
+                layer.set(LOWER, ends.0, ends.0);
+                layer.set(UPPER, ends.0, ends.1);
+                ends
+            }
+        };
+        layer.set(BOTTOM, long[0], begin);
+        layer.set(TOP, end, long[1]);
+        layer.set(LONG, long[1], long[0]);
     }
 }
 
-/// The corners of what lies at `side * (z - at) >= 0`.
-fn cut(from: &[[f64; 3]], at: f64, side: f64) -> ([[f64; 3]; EDGES], usize) {
-    let mut kept = [[0.0; 3]; EDGES];
-    let mut len = 0;
-    let mut push = |corner| {
-        if let Some(place) = kept.get_mut(len) {
-            *place = corner;
-            len += 1;
-        }
-    };
-    for (n, &corner) in from.iter().enumerate() {
-        let before = from[if n == 0 { from.len() - 1 } else { n - 1 }];
-        let (d0, d1) = (side * (before[2] - at), side * (corner[2] - at));
-        if (d0 > 0.0 && d1 < 0.0) || (d0 < 0.0 && d1 > 0.0) {
-            let t = d0 / (d0 - d1);
-            push([before[0] + t * (corner[0] - before[0]), before[1] + t * (corner[1] - before[1]), at]);
-        }
-        if d1 >= 0.0 {
-            push(corner);
-        }
+/// Coordinates with `axis` as the last, in the same turn.
+#[inline(always)]
+fn turned<T: Copy>(axis: usize, [x, y, z]: [T; 3]) -> [T; 3] {
+    match axis {
+        0 => [y, z, x],
+        1 => [z, x, y],
+        _ => [x, y, z],
     }
-    (kept, len)
 }
 
 #[cfg(test)]

@@ -111,15 +111,16 @@ impl<'a> Worker<'a> {
         let low = brick.as_ivec3() << SHIFT;
         let cells = CellBox { low, high: low + (SIDE as i32 - 1) };
         let cells = cells.intersection(&CellBox::of_grid(self.job.dims()));
-        if let Some(face) = batch.runs.first().and_then(|_| Face::flat(self.job, batch.mesh)) {
-            self.begin_flat(&face);
+        let flat = Face::flat(self.job, batch.mesh);
+        if let (Some(face), false) = (&flat, batch.runs.is_empty()) {
+            self.begin_flat(face);
             for run in batch.runs {
                 self.sums.add_flat(mark(mask, &cells, run.cell), &run.sum);
             }
         }
         for &number in batch.triangles {
             if self.job.needs_fragments {
-                self.fragments(&cells, batch.mesh, number, mask);
+                self.fragments(&cells, (batch.mesh, number), flat.as_ref(), mask);
             } else if let Some(reach) = self.job.reach(batch.mesh, number) {
                 let triangle = self.job.triangle(batch.mesh, number, reach.cells());
                 coverage::walk(self.job.coverage, &triangle, &cells, &mut |cell| {
@@ -130,11 +131,21 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn fragments(&mut self, cells: &CellBox, mesh: usize, number: u32, mask: &mut Mask) {
+    /// `flat` stands for the faces of the mesh, if they are flat but for their normals.
+    fn fragments(
+        &mut self,
+        cells: &CellBox,
+        (mesh, number): (usize, u32),
+        flat: Option<&Face<'_>>,
+        mask: &mut Mask,
+    ) {
         let job = self.job;
         let Some(reach) = job.reach(mesh, number) else { return };
         let triangle = job.triangle(mesh, number, reach.cells());
         let normal = triangle.normal();
+        if let Some(face) = flat.and_then(|flat| flat.with(job, number, normal)) {
+            return self.flat(cells, &triangle, normal, &face, mask);
+        }
         let face = Face::new(job, mesh, number, normal);
         if !face.varies && job.takes_flat {
             return self.flat(cells, &triangle, normal, &face, mask);

@@ -216,7 +216,7 @@ impl<'a> Job<'a> {
     }
 
     /// The cells that a triangle reaches; none if it names no vertex or is not finite.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn reach(&self, mesh: usize, number: u32) -> Option<Reached> {
         let cells = self.vertex_cells[mesh].as_slice();
         let [a, b, c] = self.model.meshes[mesh].triangles.indices[number as usize];
