@@ -132,7 +132,7 @@ impl Areas {
     }
 
     /// Area in a cell that the triangle marks; `cell` must lie in one brick for all calls after [`Self::begin`].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn in_cell(&mut self, triangle: &Triangle, cell: IVec3) -> f64 {
         let CellBox { low, high } = triangle.reach;
         let cells = high - low;
@@ -150,7 +150,7 @@ impl Areas {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn in_layer(&mut self, triangle: &Triangle, cell: IVec3) -> f64 {
         let cell = turned(self.axis, cell.to_array());
         let number = (cell[2] & (SIDE as i32 - 1)) as usize;

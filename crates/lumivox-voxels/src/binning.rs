@@ -247,9 +247,10 @@ fn sum_small(
 ) -> bool {
     let triangle = job.triangle(mesh, number, reach);
     let normal = triangle.normal();
-    let Some(face) = face.with(job, number, normal) else { return false };
+    let Some((direction, is_doubled_area)) = face.direction_of(number, normal, job.asked.normal) else {
+        return false;
+    };
     let all = 0.5 * normal.length();
-    let (direction, is_doubled_area) = face.direction();
     let area_normal = direction * if is_doubled_area { 0.5 } else { all };
     let CellBox { low, high } = reach;
     if low == high {

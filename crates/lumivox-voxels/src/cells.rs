@@ -143,12 +143,16 @@ impl<'a> Worker<'a> {
         let Some(reach) = job.reach(mesh, number) else { return };
         let triangle = job.triangle(mesh, number, reach.cells());
         let normal = triangle.normal();
-        if let Some(face) = flat.and_then(|flat| flat.with(job, number, normal)) {
-            return self.flat(cells, &triangle, normal, &face, mask);
+        if let Some(face) = flat
+            && let Some(direction) = face.direction_of(number, normal, job.asked.normal)
+        {
+            self.begin_flat(face);
+            return self.flat(cells, &triangle, normal, direction, mask);
         }
         let face = Face::new(job, mesh, number, normal);
         if !face.varies && job.takes_flat {
-            return self.flat(cells, &triangle, normal, &face, mask);
+            self.begin_flat(&face);
+            return self.flat(cells, &triangle, normal, face.direction(), mask);
         }
         let nothing = Piece { area: 0.0, point: DVec3::ZERO };
         if !face.varies {
@@ -190,19 +194,17 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// A triangle with one colour and one normal, in channels of averages.
+    /// A triangle with one colour and one normal, in channels of averages; `direction` is that of [`Face::direction`].
     #[inline]
     fn flat(
         &mut self,
         cells: &CellBox,
         triangle: &Triangle,
         normal: DVec3,
-        face: &Face<'_>,
+        (direction, is_doubled_area): (DVec3, bool),
         mask: &mut Mask,
     ) {
-        self.begin_flat(face);
         let length = normal.length();
-        let (direction, is_doubled_area) = face.direction();
         if self.job.coverage == Coverage::Exact && triangle.reach.low == triangle.reach.high {
             let area = 0.5 * length;
             let area_normal = direction * if is_doubled_area { 0.5 } else { area };
@@ -213,21 +215,40 @@ impl<'a> Worker<'a> {
             return;
         }
         let per_area = match is_doubled_area {
-            true if length > 0.0 => direction / length,
+            true if length > 0.0 => direction * (1.0 / length),
             true => DVec3::ZERO,
             false => direction,
         };
         self.areas.begin(normal, length);
-        let sampled = self.areas.under_one_sample();
-        coverage::walk(self.job.coverage, triangle, cells, &mut |cell| {
-            let area = match self.job.coverage {
-                Coverage::Sampled => sampled,
-                _ => self.areas.in_cell(triangle, cell),
-            };
-            let piece = FlatPiece::new(area, area * per_area, direction);
-            self.sums.add_flat(mark(mask, cells, cell), &piece);
-        });
+        let Self { job, areas, sums, .. } = self;
+        match job.coverage {
+            Coverage::Sampled => {
+                let area = areas.under_one_sample();
+                let piece = FlatPiece::new(area, area * per_area, direction);
+                coverage::walk(Coverage::Sampled, triangle, cells, &mut |cell| {
+                    sums.add_flat(mark(mask, cells, cell), &piece);
+                });
+            }
+            // One place for the work on a cell: the walk has many where it finds one.
+            exact_or_thin => coverage::walk(exact_or_thin, triangle, cells, &mut |cell| {
+                add_part(areas, sums, mask, (triangle, cells), cell, (per_area, direction));
+            }),
+        }
     }
+}
+
+/// Adds the part of a flat triangle in one cell.
+#[inline(never)]
+fn add_part(
+    areas: &mut Areas,
+    sums: &mut Accumulator<'_>,
+    mask: &mut Mask,
+    (triangle, cells): (&Triangle, &CellBox),
+    cell: IVec3,
+    (per_area, direction): (DVec3, DVec3),
+) {
+    let area = areas.in_cell(triangle, cell);
+    sums.add_flat(mark(mask, cells, cell), &FlatPiece::new(area, area * per_area, direction));
 }
 
 /// Marks a cell of the brick whose first cell is `cells.low`, and returns its number in it.

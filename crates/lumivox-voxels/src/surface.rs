@@ -28,7 +28,7 @@ impl Placed {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Asked {
     albedo: bool,
-    normal: bool,
+    pub(crate) normal: bool,
     emission: bool,
     /// Everything, at its place.
     own: bool,
@@ -100,14 +100,20 @@ impl<'a> Face<'a> {
         })
     }
 
-    /// The face of a triangle of such a mesh; none if its normals differ.
+    /// As [`Self::direction`], for a triangle of such a mesh; none if its normals differ.
     #[inline(always)]
-    pub(crate) fn with(&self, job: &Job<'_>, number: u32, normal: DVec3) -> Option<Self> {
-        let mut face = Self { number, normal: f64::from(self.placed.side) * normal, ..*self };
-        if job.asked.normal && self.view.normals.is_some() {
-            face.corner_normal = Some(equal_normals(self.view, number)?);
+    pub(crate) fn direction_of(
+        &self,
+        number: u32,
+        normal: DVec3,
+        asks_normal: bool,
+    ) -> Option<(DVec3, bool)> {
+        let normal = f64::from(self.placed.side) * normal;
+        if !asks_normal || self.view.normals.is_none() {
+            return Some((normal, true));
         }
-        Some(face)
+        let corner_normal = equal_normals(self.view, number)?;
+        Some(direction(self.placed, Some(corner_normal), normal))
     }
 
     /// The values of channels of colours in fixed point.
@@ -126,11 +132,7 @@ impl<'a> Face<'a> {
     /// the geometry's own.
     #[inline]
     pub(crate) fn direction(&self) -> (DVec3, bool) {
-        let turned = || (self.placed.normal_from_local * self.corner_normal?).try_normalize();
-        match turned() {
-            Some(normal) => (normal.as_dvec3(), false),
-            None => (self.normal, true),
-        }
+        direction(self.placed, self.corner_normal, self.normal)
     }
 
     fn unit_normal(&self) -> Vec3 {
@@ -230,6 +232,15 @@ fn varies(asked: &Asked, view: &MeshView<'_>, material: &Material<'_>) -> bool {
     material.alpha_cutoff.is_some()
         || (asked.albedo && (view.colors.is_some() || material.base_color_texture.is_some()))
         || (asked.emission && material.emission_texture.is_some())
+}
+
+#[inline]
+fn direction(placed: &Placed, corner_normal: Option<Vec3>, normal: DVec3) -> (DVec3, bool) {
+    let turned = || (placed.normal_from_local * corner_normal?).try_normalize();
+    match turned() {
+        Some(normal) => (normal.as_dvec3(), false),
+        None => (normal, true),
+    }
 }
 
 /// The normal of a triangle whose corners have the same.
