@@ -19,8 +19,9 @@ const WHOLE: usize = 4;
 const LOWER: usize = 0;
 const UPPER: usize = 1;
 const LONG: usize = 2;
-const BOTTOM: usize = 3;
-const TOP: usize = 4;
+// Number 3 stays empty.
+const BOTTOM: usize = 4;
+const TOP: usize = 5;
 /// Heights over one cell that differ by less count as level: quotients of such differences have no digits.
 const LEVEL: f64 = 1e-7;
 
@@ -261,6 +262,15 @@ mod tests {
         let triangle = Triangle::on_grid(corners, DIMS);
         let normal = triangle.normal();
         let mut areas = Areas::default();
+        // What the triangle before has left must not show.
+        let other = Triangle::on_grid(
+            [DVec3::new(0.1, 7.9, 0.2), DVec3::new(7.7, 0.3, 3.1), DVec3::splat(7.5)],
+            DIMS,
+        );
+        areas.begin(other.normal(), other.normal().length());
+        walk(Coverage::Exact, &other, &CellBox::of_grid(DIMS), &mut |cell| {
+            areas.in_cell(&other, cell);
+        });
         areas.begin(normal, normal.length());
         let mut worst = 0.0f64;
         let mut sum = 0.0;

@@ -38,6 +38,16 @@ pub enum VoxelizeError {
         /// What is wrong.
         fault: String,
     },
+    /// A list has another length than the grid has cells.
+    #[error("there are {found} values of {name} where the grid has {wanted} cells")]
+    Length {
+        /// What the list holds.
+        name: String,
+        /// Its length.
+        found: u64,
+        /// Cells of the grid.
+        wanted: u64,
+    },
     /// More triangles than 32 bits count.
     #[error("mesh {mesh} has {found} triangles, more than {}", u32::MAX)]
     TooManyTriangles {

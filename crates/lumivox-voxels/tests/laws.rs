@@ -7,11 +7,11 @@ use common::{COVERAGES, Dice, Soup, cuboid, on_grid, sphere, unit_grid};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{UVec3, Vec3};
+use glam::{UVec3, Vec3, Vec4};
 use lumivox_core::{Bounds, Grid, TriangleView};
 use lumivox_voxels::{
-    Channel, Coverage, Format, GridSpec, MeshView, Model, Progress, Rule, SparseVolume, Stage, VoxelizeError,
-    VoxelizeOptions, voxelize,
+    Channel, Coverage, Format, GridSpec, Material, MaterialOf, MeshView, Model, Progress, Rule, SparseVolume,
+    Stage, VoxelizeError, VoxelizeOptions, voxelize,
 };
 
 /// Every rule and format, with values that depend on where one looks.
@@ -24,10 +24,19 @@ fn channels() -> Vec<Channel> {
     channels
 }
 
+/// Averages of what most triangles have one of, which are summed in a shorter way.
+fn plain_channels() -> Vec<Channel> {
+    let [albedo, normal] = [Channel::albedo(), Channel::normal()].map(|channel| channel.format(Format::F32));
+    vec![albedo, Channel::emission(), normal]
+}
+
 fn full(model: &Model<'_>, grid: Grid, coverage: Coverage) -> SparseVolume {
+    with(model, grid, coverage, channels())
+}
+
+fn with(model: &Model<'_>, grid: Grid, coverage: Coverage, channels: Vec<Channel>) -> SparseVolume {
     let grid = GridSpec::Grid(grid);
-    voxelize(model, &VoxelizeOptions { grid, coverage, channels: channels(), ..VoxelizeOptions::default() })
-        .unwrap()
+    voxelize(model, &VoxelizeOptions { grid, coverage, channels, ..VoxelizeOptions::default() }).unwrap()
 }
 
 fn assert_same_bits(a: &SparseVolume, b: &SparseVolume) {
@@ -51,7 +60,9 @@ fn soup() -> Soup {
 fn neither_order_nor_parts_nor_threads_change_a_bit() {
     let soup = soup();
     let grid = unit_grid(33, 31, 32);
-    for coverage in COVERAGES {
+    let cases = COVERAGES.into_iter().flat_map(|c| [(c, channels as fn() -> _), (c, plain_channels)]);
+    for (coverage, channels) in cases {
+        let full = |model: &Model<'_>, grid, coverage| with(model, grid, coverage, channels());
         let base = full(&Model::from(soup.view()), grid, coverage);
         assert!(base.len() > 1000);
 
@@ -83,11 +94,60 @@ fn crowded_bricks_are_shared_without_changing_a_bit() {
         let center = 4.0 * dice.point();
         [0; 3].map(|_| center + 0.5 * dice.point())
     }));
-    let base = full(&Model::from(soup.view()), unit_grid(5, 5, 5), Coverage::Exact);
     let (first, second) = soup.indices.split_at(3000);
     let part = |indices| MeshView::new(TriangleView { positions: &soup.positions, indices });
     let split = Model { meshes: vec![part(second), part(first)], materials: Vec::new() };
-    assert_same_bits(&base, &full(&split, unit_grid(5, 5, 5), Coverage::Exact));
+    for channels in [channels(), plain_channels()] {
+        let full = |model| with(model, unit_grid(5, 5, 5), Coverage::Exact, channels.clone());
+        assert_same_bits(&full(&Model::from(soup.view())), &full(&split));
+    }
+}
+
+/// The short way of summing has the means of the long way, whatever the materials and however they are told.
+#[test]
+fn plain_channels_have_the_means_of_all_others() {
+    let soup = soup();
+    let color = |n: u32| Vec4::new(0.3 * n as f32, 1.0 / (1.0 + n as f32), 0.123, 1.0);
+    let materials: Vec<Material<'_>> = (0..3)
+        .map(|n| Material {
+            base_color: color(n),
+            emission: color(n).truncate() * 7.0,
+            ..Material::default()
+        })
+        .collect();
+    let numbers: Vec<u32> = (0..soup.indices.len() as u32).map(|n| n / 100 % 3).collect();
+    let by_triangle = MeshView { material: MaterialOf::Triangle(&numbers), ..MeshView::new(soup.view()) };
+    let parts: Vec<MeshView<'_>> = soup
+        .indices
+        .chunks(100)
+        .enumerate()
+        .map(|(n, indices)| MeshView {
+            material: MaterialOf::Mesh(n % 3),
+            ..MeshView::new(TriangleView { positions: &soup.positions, indices })
+        })
+        .collect();
+    let grid = unit_grid(33, 31, 32);
+    for coverage in COVERAGES {
+        let [by_triangle, by_mesh] =
+            [vec![by_triangle], parts.clone()].map(|meshes| Model { meshes, materials: materials.clone() });
+        let mut long = plain_channels();
+        long.push(Channel::area());
+        let long = with(&by_triangle, grid, coverage, long);
+        for model in [&by_triangle, &by_mesh] {
+            let short = with(model, grid, coverage, plain_channels());
+            assert!(short.cells().eq(long.cells()));
+            for channel in ["albedo", "emission", "normal"] {
+                for cell in long.cells() {
+                    let (a, b) = (short.value(channel, cell).unwrap(), long.value(channel, cell).unwrap());
+                    // Weights are whole numbers of 2^-22, and normals may cancel.
+                    let size = if channel == "emission" { 7.0 } else { 1.0 };
+                    let near = (a - b).abs().max_element() < 1e-3 * size;
+                    let area = long.value("area", cell).unwrap().x;
+                    assert!(near || area < 1e-3, "{coverage:?} {cell} {channel} {a} {b} {area}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -241,4 +301,25 @@ fn cells_come_in_the_order_of_their_index_and_slots_fit_them() {
     let cell = volume.cells().nth(100).unwrap();
     assert_eq!(dense.channel("albedo").unwrap()[grid.index(cell)], volume.value("albedo", cell).unwrap());
     assert!(volume.to_dense(1000).unwrap_err().to_string().contains("1000"));
+}
+
+/// A volume comes back from full arrays as it was.
+#[test]
+fn full_arrays_become_the_same_volume() {
+    let soup = soup();
+    let channels = vec![Channel::albedo(), Channel::normal(), Channel::area()];
+    let options = VoxelizeOptions {
+        grid: GridSpec::Grid(unit_grid(33, 31, 20)),
+        channels: channels.clone(),
+        ..VoxelizeOptions::default()
+    };
+    let volume = voxelize(&Model::from(soup.view()), &options).unwrap();
+    let dense = volume.to_dense(u64::MAX).unwrap();
+    let occupied: Vec<bool> = dense.channel("occupancy").unwrap().iter().map(|v| v.x > 0.0).collect();
+    let lists: Vec<(Channel, &[Vec4])> =
+        channels.iter().map(|channel| (channel.clone(), dense.channel(channel.name()).unwrap())).collect();
+    let back = SparseVolume::from_dense(*volume.grid(), &occupied, &lists).unwrap();
+    assert_same_bits(&volume, &back);
+    let error = SparseVolume::from_dense(*volume.grid(), &occupied[1..], &lists).unwrap_err();
+    assert_eq!(error.to_string(), "there are 20459 values of occupancy where the grid has 20460 cells");
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 use lumivox_scene::{ImportReport, Scene};
 use lumivox_voxels::files::FileReport;
 use lumivox_voxels::{Rule, SolidReport, SparseVolume};
@@ -153,17 +153,25 @@ fn rule_name(rule: Rule) -> &'static str {
 /// What a fill found, in one sentence, if there is anything to tell.
 pub(super) fn solid_words(report: &SolidReport) -> Option<String> {
     let hole = report.hole?;
-    let [x, y, z] = hole.center.to_array();
-    let [at_x, at_y, at_z] = hole.edge.to_array();
+    let point = |point: Vec3| point.to_array().map(|v| short(v.into())).join(",");
     let holes = format!(
-        "the surface is open: {} edges have one triangle only, the longest hole is {:.4} m around with its middle at {x},{y},{z} \
-         and an edge at {at_x},{at_y},{at_z}",
-        report.boundary_edges, hole.length
+        "the surface is open: {} edges have one triangle only, the longest hole is {} m around with its middle at {} and an edge at {}",
+        report.boundary_edges,
+        short(hole.length),
+        point(hole.center),
+        point(hole.edge)
     );
     Some(match report.filled_cells {
         0 => format!("{holes}; the outside leaks in and nothing was filled"),
         n => format!("{holes}; {} were enclosed nevertheless and filled", count(n, "voxel")),
     })
+}
+
+/// Four digits that matter.
+fn short(number: f64) -> String {
+    let places = if number == 0.0 { 0.0 } else { (3.0 - number.abs().log10().floor()).clamp(0.0, 12.0) };
+    let text = format!("{number:.*}", places as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// `1 voxel`, `1,234 voxels`.
@@ -194,6 +202,20 @@ pub(super) fn peak_memory_bytes() -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_have_four_digits_that_matter() {
+        for (number, text) in [
+            (0.0, "0"),
+            (0.5, "0.5"),
+            (-0.034593, "-0.03459"),
+            (400.0, "400"),
+            (12345.6, "12346"),
+            (1e-7, "0.0000001"),
+        ] {
+            assert_eq!(short(number), text);
+        }
+    }
 
     #[test]
     fn numbers_have_commas() {

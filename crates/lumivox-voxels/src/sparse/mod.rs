@@ -1,6 +1,7 @@
 //! Volumes whose memory follows the surface: bricks of bits, and one value per occupied cell.
 
 mod bricks;
+mod dense;
 mod directory;
 
 use std::ops::Range;
