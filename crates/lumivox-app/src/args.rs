@@ -94,7 +94,7 @@ pub(crate) struct ShotArgs {
     #[arg(long, value_enum)]
     pub(crate) voxelizer: Option<VoxelizerArg>,
     /// Indirect light.
-    #[arg(long, value_enum, default_value = "propagation")]
+    #[arg(long, value_enum, default_value = "gather")]
     pub(crate) gi: GiArg,
     /// Small lights that stand for the sky, each with a shadow map; a quarter as many stand for a rect light. More are smoother and
     /// slower. Stills take 1024, fewer down to 256 for many triangles, and series 64 unless said otherwise.
@@ -177,8 +177,10 @@ impl From<VoxelizerArg> for VoxelSource {
 pub(crate) enum GiArg {
     /// Direct light only.
     Off,
-    /// Iterative propagation through the volume.
+    /// From cell to cell, step by step: soft, and blurred.
     Propagation,
+    /// Along rays through the volume: sharper, and nearer to the truth.
+    Gather,
 }
 
 impl From<GiArg> for GiMethod {
@@ -186,6 +188,7 @@ impl From<GiArg> for GiMethod {
         match arg {
             GiArg::Off => Self::Off,
             GiArg::Propagation => Self::Propagation,
+            GiArg::Gather => Self::Gather,
         }
     }
 }

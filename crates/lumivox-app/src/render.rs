@@ -17,6 +17,9 @@ use crate::{clock, info, lighting};
 
 /// Light has settled when this share of what was sent out is still under way.
 const SETTLED: f64 = 0.01;
+/// Bounces of gathered light that a still makes at a time, and when it gives up.
+const BOUNCES: u32 = 8;
+const MAX_BOUNCES: u32 = 256;
 /// A still gives up settling after this many propagation steps.
 const MAX_STEPS: u32 = 8192;
 /// Browsers play an animation with shorter delays than 20 ms at ten frames per second.
@@ -185,20 +188,40 @@ pub(crate) fn still(
     work.frames = 1;
     work.settled = true;
     let Settings { gi, layer, .. } = *renderer.settings();
-    if gi != GiMethod::Off && layer != Layer::Voxels && iterations > 0 {
-        let sent = renderer.flux_under_way()?;
-        let mut left = sent;
-        let bar = progress(100, "light settles");
-        while left > SETTLED * sent && work.iterations < MAX_STEPS {
-            frame = renderer.settle(iterations, clock)?;
-            stats::add_stages(&mut work.stages, &frame.stages);
-            work.frames += 1;
-            work.iterations += iterations;
-            left = renderer.flux_under_way()?;
-            bar.set_position((100.0 * ((left / sent).ln() / SETTLED.ln()).clamp(0.0, 1.0)) as u64);
+    if layer == Layer::Voxels {
+        return Ok(());
+    }
+    match gi {
+        GiMethod::Off => {}
+        GiMethod::Propagation if iterations == 0 => {}
+        GiMethod::Propagation => {
+            let sent = renderer.light_in_volume()?;
+            let mut left = sent;
+            let bar = progress(100, "light settles");
+            while left > SETTLED * sent && work.iterations < MAX_STEPS {
+                frame = renderer.settle(iterations, clock)?;
+                stats::add_stages(&mut work.stages, &frame.stages);
+                work.frames += 1;
+                work.iterations += iterations;
+                left = renderer.light_in_volume()?;
+                bar.set_position((100.0 * ((left / sent).ln() / SETTLED.ln()).clamp(0.0, 1.0)) as u64);
+            }
+            bar.finish_and_clear();
+            work.settled = left <= SETTLED * sent;
         }
-        bar.finish_and_clear();
-        work.settled = left <= SETTLED * sent;
+        GiMethod::Gather => {
+            work.settled = false;
+            let mut before = renderer.light_in_volume()?;
+            while !work.settled && work.iterations < MAX_BOUNCES {
+                frame = renderer.settle(BOUNCES, clock)?;
+                stats::add_stages(&mut work.stages, &frame.stages);
+                work.frames += 1;
+                work.iterations += BOUNCES;
+                let after = renderer.light_in_volume()?;
+                work.settled = after - before <= SETTLED * 0.1 * after;
+                before = after;
+            }
+        }
     }
     Ok(())
 }

@@ -10,6 +10,7 @@
 //! | [`lights`] | a light's views, and what it sends where |
 //! | [`shadow`] | depth from a light's view |
 //! | [`direct`] | shadowed direct light, light by light |
+//! | `subcells` | a volume with its sub-cells from triangles, for gathered light |
 //! | [`triangles`] | a volume from a scene's triangles, on the CPU |
 //! | [`composite`] | direct + indirect + emission, or one layer alone |
 //! | [`voxel_view`] | draws a volume's cells |
@@ -25,6 +26,7 @@ pub mod gpu_scene;
 pub mod lights;
 pub mod renderer;
 pub mod shadow;
+mod subcells;
 pub mod surface;
 pub mod tone;
 pub mod triangles;

@@ -121,7 +121,7 @@ impl Surface<'_> {
 }
 
 /// The nearest texel, linear.
-fn texel(texture: &Texture, uv: Vec2) -> Vec4 {
+pub(crate) fn texel(texture: &Texture, uv: Vec2) -> Vec4 {
     let index = |t: f32, size: u32, wrap: Wrap| {
         let t = match wrap {
             Wrap::Repeat => t - t.floor(),

@@ -28,11 +28,13 @@
 //! | --- | --- |
 //! | *Progressive Screen-Space Multichannel Surface Voxelization*, 6.2 and 6.3; dissertation chapter 7 | [`progressive`] |
 //! | dissertation chapter 5: volume-based indirect light | [`light`] |
+//! | beyond the papers: indirect light along rays, all bounces, thin walls | [`gather`] |
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
 
 // The macros of this crate name it from outside and from inside.
 extern crate self as lumivox;
 
+pub mod gather;
 pub mod gpu;
 pub mod light;
 pub mod progressive;
@@ -48,7 +50,7 @@ pub use wgpu;
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<gpu::Shader> {
-    [progressive::shaders(), light::shaders()].concat()
+    [progressive::shaders(), light::shaders(), gather::shaders()].concat()
 }
 
 /// The texts that [`voxelize`] makes of some sets of channels, for validation and for reading.
@@ -83,5 +85,6 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<voxelize::MeshUniform>(),
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),
+        entry::<gather::GatherUniform>(),
     ]
 }

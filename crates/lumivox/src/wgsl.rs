@@ -18,7 +18,9 @@ pub const VISIBILITY: &str = include_str!("wgsl/visibility.wgsl");
 pub const PACK: &str = include_str!("wgsl/pack.wgsl");
 /// Spherical harmonics of bands 0 and 1.
 pub const SH: &str = include_str!("wgsl/sh.wgsl");
-/// Which faces of a cell let light out.
+/// The six faces of a cell.
+pub const FACE: &str = include_str!("wgsl/face.wgsl");
+/// Which faces of a cell let light out; after [`FACE`].
 pub const TRANSPORT: &str = include_str!("wgsl/transport.wgsl");
 /// The vertex stage of full-screen passes.
 pub const FULLSCREEN: &str = include_str!("wgsl/fullscreen.wgsl");

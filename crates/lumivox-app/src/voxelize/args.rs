@@ -72,7 +72,7 @@ pub(crate) struct VoxelizeArgs {
     /// otherwise.
     #[arg(long, value_name = "NAME|N|none")]
     pub(crate) clip: Option<ClipArg>,
-    /// Where it is done, which a line at the end says. So far auto always takes the CPU, and there is no gpu.
+    /// Where it is done; auto takes a GPU where there is one, and says which.
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) device: DeviceArg,
     /// Most memory that a volume and the work on it may take, in MiB.

@@ -1,5 +1,6 @@
 //! The frame: what is rendered, in which order, from what into what.
 
+mod indirect;
 mod injected_lights;
 mod settings;
 mod shadowed_lights;
@@ -8,8 +9,9 @@ mod view_voxelizer;
 use glam::{UVec2, Vec3};
 use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, GridError, View};
+use lumivox::gather::GatheredLight;
 use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
-use lumivox::light::{IndirectLight, LightSettings};
+use lumivox::light::LightSettings;
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 use lumivox_scene::{Camera, Light, Pose, Scene};
@@ -19,9 +21,11 @@ use crate::direct::DirectPass;
 use crate::gpu_scene::GpuScene;
 use crate::lights::{self, LightSample};
 use crate::shadow::ShadowPass;
+use crate::subcells::voxelize_scenes;
 use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
 use crate::triangles;
 use crate::voxel_view::VoxelView;
+use indirect::Indirect;
 use injected_lights::InjectedLights;
 use view_voxelizer::{Target, ViewVoxelizer};
 
@@ -37,6 +41,9 @@ pub enum RendererError {
     /// The volume.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// The voxelizer.
+    #[error(transparent)]
+    Voxelize(#[from] lumivox_voxels::VoxelizeError),
     /// Nothing to see.
     #[error("the scene has no triangles to render")]
     EmptyScene,
@@ -70,7 +77,9 @@ pub struct Renderer {
     volume: VolumeBuffer,
     voxelizer: ViewVoxelizer,
     direct_light: DirectLight,
-    indirect: IndirectLight,
+    indirect: Indirect,
+    /// Whether no frame has been made yet.
+    fresh: bool,
     irradiance: Texture,
     spare_radiance: Texture,
     picture: Texture,
@@ -90,10 +99,9 @@ impl Renderer {
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
         let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
-        let indirect = IndirectLight::new(gpu, &volume)?;
         let sampled_sky = if settings.area_samples > 0 { scene.sky } else { Vec3::ZERO };
         let light = LightSettings { sky: scene.sky - sampled_sky, ..settings.light };
-        indirect.update(gpu, &light);
+        let indirect = Indirect::new(gpu, &volume, &settings, light)?;
         let panels = lights::panels(&scene.lights);
         let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
         let camera = camera_target(gpu, &settings)?;
@@ -122,6 +130,7 @@ impl Renderer {
             voxelizer,
             direct_light,
             indirect,
+            fresh: true,
             irradiance: Texture::target(gpu, "render/irradiance", settings.size.to_array(), HDR_FORMAT)?,
             spare_radiance: Texture::target(
                 gpu,
@@ -168,6 +177,13 @@ impl Renderer {
     fn voxelize_triangles(&mut self, scene: &Scene) -> Result<(), RendererError> {
         if self.settings.voxels == VoxelSource::Triangles && needs_volume(&self.settings) {
             let panels = lights::panels(&scene.lights);
+            if let Indirect::Gathered(gathered) = &mut self.indirect {
+                let made = voxelize_scenes(&[scene, &panels], self.volume.grid())?;
+                self.volume.upload(&self.gpu, NORMAL, &made.normal)?;
+                self.volume.upload(&self.gpu, ALBEDO, &made.albedo)?;
+                self.volume.upload(&self.gpu, EMISSION, &made.emission)?;
+                return Ok(gathered.upload_subcells(&self.gpu, &made.subcells)?);
+            }
             let made = triangles::voxelize(&[scene, &panels], self.volume.grid());
             self.volume.upload(&self.gpu, NORMAL, &made.normal)?;
             self.volume.upload(&self.gpu, ALBEDO, &made.albedo)?;
@@ -184,6 +200,12 @@ impl Renderer {
 
     /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
     pub fn frame(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
+        // Lights shine on the surfaces that the frame before left; the first frame makes them itself.
+        let makes_surfaces = matches!(self.indirect, Indirect::Gathered(_)) && self.views_fill_volume();
+        if std::mem::take(&mut self.fresh) && makes_surfaces {
+            self.frame(clock)?;
+        }
+        let views_fill = self.views_fill_volume();
         let Self { gpu, settings, scene, camera, shadowed, injected, volume, voxelizer, indirect, .. } = self;
         let gpu = &*gpu;
         let mut timer = StageTimer::new(gpu, clock);
@@ -191,6 +213,7 @@ impl Renderer {
         camera.update(gpu, self.scale);
         shadowed.update(gpu, &self.bounds, &camera.view);
         injected.update(gpu, &self.bounds, self.scale);
+        indirect.update(gpu);
 
         // What the camera sees, and how it is lit.
         timer.stage(gpu, "raster/gbuffer", |e| {
@@ -209,38 +232,53 @@ impl Renderer {
         if needs_volume(settings) {
             // Views to volume, light by light, the camera last.
             let light = &mut self.direct_light;
-            timer.stage(gpu, "progressive/cleanup", |e| {
-                voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })
+            let keeps = settings.voxels != VoxelSource::SingleFrame;
+            timer.stage(gpu, "gather/surfels", |e| {
+                indirect.record_dark(e);
+                // Of triangles that moved; those that views bring come below.
+                if views_fill { Ok(()) } else { indirect.record_surfels(gpu, e, volume) }
             })?;
+            if views_fill {
+                timer.stage(gpu, "progressive/cleanup", |e| {
+                    voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })?;
+                    indirect.record_cleanup(gpu, e, &camera.input, volume, keeps)
+                })?;
+            }
             for source in &mut injected.sources {
                 timer.stage(gpu, "raster/rsm", |e| {
                     let mut views = source.views.iter_mut();
                     views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
                 })?;
-                timer.stage(gpu, "progressive/cleanup", |e| {
-                    voxelizer.record_cleanup(gpu, e, source, volume)
-                })?;
-                timer.stage(gpu, "progressive/injection", |e| {
-                    voxelizer.record_light(gpu, e, source, Target { volume, light })
-                })?;
+                timer.stage(gpu, "gather/direct", |e| indirect.record_light(gpu, e, source, volume))?;
+                if views_fill {
+                    timer.stage(gpu, "progressive/cleanup", |e| {
+                        voxelizer.record_cleanup(gpu, e, source, volume)
+                    })?;
+                    timer.stage(gpu, "progressive/injection", |e| {
+                        voxelizer.record_light(gpu, e, source, Target { volume, light })?;
+                        indirect.record_surfaces(gpu, e, source, volume, keeps)
+                    })?;
+                }
             }
-            timer.stage(gpu, "progressive/injection", |e| {
-                voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })
-            })?;
+            if views_fill {
+                timer.stage(gpu, "progressive/injection", |e| {
+                    voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
+                    indirect.record_injection(gpu, e, &camera.input, volume)
+                })?;
+                timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
+            }
 
             // Volume to light.
-            timer.stage(gpu, "light/transport", |e| indirect.record_transport(gpu, e, volume))?;
             timer.stage(gpu, "light/seed", |e| indirect.record_seed(gpu, e, volume, &self.direct_light))?;
-            timer.stage(gpu, "light/propagation", |e| {
-                indirect.record_propagation(gpu, e, volume, propagation_steps(settings))
-            })?;
+            let steps = steps(settings);
+            timer.stage(gpu, indirect.stage(), |e| indirect.record_steps(gpu, e, volume, steps))?;
         }
         let mut stats = FrameStats { stages: timer.finish(gpu)? };
         stats.stages.extend(self.compose(clock)?.stages);
         Ok(stats)
     }
 
-    /// Goes on propagating the light of the last frame, `iterations` steps more, and makes the picture anew.
+    /// Goes on with the light of the last frame, `iterations` steps or bounces more, and makes the picture anew.
     pub fn settle(
         &mut self,
         iterations: u32,
@@ -248,7 +286,7 @@ impl Renderer {
     ) -> Result<FrameStats, RendererError> {
         let Self { gpu, volume, indirect, .. } = self;
         let mut timer = StageTimer::new(gpu, clock);
-        timer.stage(gpu, "light/propagation", |e| indirect.record_propagation(gpu, e, volume, iterations))?;
+        timer.stage(gpu, indirect.stage(), |e| indirect.record_steps(gpu, e, volume, iterations))?;
         let mut stats = FrameStats { stages: timer.finish(gpu)? };
         stats.stages.extend(self.compose(clock)?.stages);
         Ok(stats)
@@ -283,9 +321,29 @@ impl Renderer {
         Ok(())
     }
 
-    /// Flux still under way in the volume; see [`IndirectLight::flux_under_way`].
-    pub fn flux_under_way(&self) -> Result<f64, RendererError> {
-        Ok(self.indirect.flux_under_way(&self.gpu)?)
+    /// The gathered light, if that is how light is found.
+    pub fn gathered(&self) -> Option<&GatheredLight> {
+        match &self.indirect {
+            Indirect::Gathered(gathered) => Some(gathered),
+            Indirect::Propagated(_) => None,
+        }
+    }
+
+    /// What light there still is to settle, as far as a step tells: flux under way
+    /// ([`IndirectLight::flux_under_way`](lumivox::light::IndirectLight::flux_under_way)), or for gathered light, all the irradiance
+    /// that there is, which grows until it has settled.
+    pub fn light_in_volume(&self) -> Result<f64, RendererError> {
+        Ok(match &self.indirect {
+            Indirect::Propagated(light) => light.flux_under_way(&self.gpu)?,
+            Indirect::Gathered(light) => light.total_irradiance(&self.gpu)?,
+        })
+    }
+
+    /// Whether views bring the volume surfaces and light, or the triangles have filled it and nobody asks for its light.
+    fn views_fill_volume(&self) -> bool {
+        let by_triangles = self.settings.voxels == VoxelSource::Triangles;
+        let shown = self.settings.layer == Layer::Voxels;
+        !by_triangles || shown || matches!(self.indirect, Indirect::Propagated(_))
     }
 
     /// The picture, linear radiance, row 0 on top. Waits.
@@ -314,8 +372,12 @@ fn needs_volume(settings: &Settings) -> bool {
     settings.gi != GiMethod::Off || settings.layer == Layer::Voxels
 }
 
-fn propagation_steps(settings: &Settings) -> u32 {
-    if settings.gi == GiMethod::Off { 0 } else { settings.iterations }
+fn steps(settings: &Settings) -> u32 {
+    match settings.gi {
+        GiMethod::Off => 0,
+        GiMethod::Propagation => settings.iterations,
+        GiMethod::Gather => settings.bounces,
+    }
 }
 
 /// The samples of all lights for the picture and for the volume.

@@ -1,6 +1,7 @@
 //! What is rendered, and how well.
 
 use glam::UVec2;
+use lumivox::gather::GatherSettings;
 use lumivox::light::LightSettings;
 
 use crate::composite::Layer;
@@ -25,6 +26,8 @@ pub enum GiMethod {
     Off,
     /// Iterative propagation through the volume.
     Propagation,
+    /// Rays through the volume.
+    Gather,
 }
 
 /// What is rendered, and how well.
@@ -43,6 +46,10 @@ pub struct Settings {
     pub gi: GiMethod,
     /// Propagation steps in every frame.
     pub iterations: u32,
+    /// How light is gathered; its sky is the scene's.
+    pub gather: GatherSettings,
+    /// Bounces of gathered light in every frame.
+    pub bounces: u32,
     /// How light propagates; its sky is the scene's.
     pub light: LightSettings,
     /// Texels a side of the atlas of shadow maps: the map of a directional or spot light has all of them, a view of a point
@@ -73,8 +80,10 @@ impl Default for Settings {
             clip: None,
             grid: 64,
             voxels: VoxelSource::Progressive,
-            gi: GiMethod::Propagation,
+            gi: GiMethod::Gather,
             iterations: 64,
+            gather: GatherSettings::default(),
+            bounces: 2,
             light: LightSettings::default(),
             shadow_size: 2048,
             area_samples: 64,

@@ -80,8 +80,15 @@ fn black_shadows(gpu: &Gpu) -> Result<(), Failed> {
 }
 
 fn bleeding(gpu: &Gpu, voxels: VoxelSource) -> Result<(), Failed> {
+    for gi in [GiMethod::Propagation, GiMethod::Gather] {
+        bleeding_by(gpu, voxels, gi)?;
+    }
+    Ok(())
+}
+
+fn bleeding_by(gpu: &Gpu, voxels: VoxelSource, gi: GiMethod) -> Result<(), Failed> {
     let (scene, front) = corner();
-    let settings = Settings { gi: GiMethod::Propagation, voxels, layer: Layer::Indirect, ..small() };
+    let settings = Settings { gi, voxels, layer: Layer::Indirect, ..small() };
     let mut renderer = Renderer::new(gpu, &scene, settings)?;
     renderer.set_camera(&corner_camera());
     renderer.frame(None)?;
@@ -121,15 +128,10 @@ fn layers_add_up(gpu: &Gpu) -> Result<(), Failed> {
 
 fn never_negative(gpu: &Gpu) -> Result<(), Failed> {
     let scene = builtin::cornell(0);
-    for voxels in [VoxelSource::Triangles, VoxelSource::Progressive, VoxelSource::SingleFrame] {
-        let settings = Settings {
-            gi: GiMethod::Propagation,
-            voxels,
-            layer: Layer::Indirect,
-            iterations: 1,
-            grid: 16,
-            ..small()
-        };
+    let sources = [VoxelSource::Triangles, VoxelSource::Progressive, VoxelSource::SingleFrame];
+    let methods = [GiMethod::Propagation, GiMethod::Gather];
+    for (voxels, gi) in sources.into_iter().flat_map(|v| methods.map(|gi| (v, gi))) {
+        let settings = Settings { gi, voxels, layer: Layer::Indirect, iterations: 1, grid: 16, ..small() };
         let mut renderer = Renderer::new(gpu, &scene, settings)?;
         renderer.set_camera(&scene.cameras[0]);
         renderer.frame(None)?;
@@ -137,7 +139,7 @@ fn never_negative(gpu: &Gpu) -> Result<(), Failed> {
             renderer.settle(steps, None)?;
             let picture = renderer.read_picture()?;
             let bad = picture.iter().filter(|p| !(p.is_finite() && p.min_element() >= 0.0)).count();
-            assert_eq!(bad, 0, "{voxels:?} after {steps} steps more");
+            assert_eq!(bad, 0, "{voxels:?}, {gi:?} after {steps} steps more");
         }
     }
     Ok(())

@@ -8,6 +8,7 @@ mod area;
 mod camera;
 mod direct;
 mod errors;
+mod gathered;
 mod indirect;
 mod layers;
 mod masks;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         area::TESTS,
         direct::TESTS,
         errors::TESTS,
+        gathered::TESTS,
         indirect::TESTS,
         layers::TESTS,
         masks::TESTS,

@@ -88,15 +88,19 @@ pub(crate) fn picture(
     Ok(renderer.read_picture()?)
 }
 
-/// As many frames and steps as it takes until next to no light is under way.
+/// A frame, and as many steps as it takes until next to no light is under way, or until gathered light grows no more.
 pub(crate) fn settle(renderer: &mut Renderer) -> Result<(), RendererError> {
     renderer.frame(None)?;
-    let sent = renderer.flux_under_way()?;
+    let sent = renderer.light_in_volume()?;
+    let gathers = renderer.settings().gi == GiMethod::Gather;
+    let mut before = sent;
     for _ in 0..100 {
-        renderer.settle(64, None)?;
-        if renderer.flux_under_way()? <= 1e-3 * sent {
+        renderer.settle(if gathers { 8 } else { 64 }, None)?;
+        let now = renderer.light_in_volume()?;
+        if (gathers && now - before <= 1e-4 * now) || now <= 1e-3 * sent {
             break;
         }
+        before = now;
     }
     Ok(())
 }

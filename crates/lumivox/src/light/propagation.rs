@@ -2,13 +2,13 @@
 
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, PACK, SH, TRANSPORT, linear_groups};
+use crate::wgsl::{FACE, GRID, PACK, SH, TRANSPORT, linear_groups};
 
 use super::PropagationUniform;
 
 pub(super) const SHADER: Shader = Shader {
     name: "light/propagation",
-    parts: &[GRID, PACK, SH, TRANSPORT, include_str!("propagation.wgsl")],
+    parts: &[GRID, PACK, SH, FACE, TRANSPORT, include_str!("propagation.wgsl")],
 };
 
 /// What light travels through.

@@ -8,11 +8,11 @@
 use crate::gpu::{Bindings, Buffer, FullscreenPass, Gpu, GpuError, Shader, Texture};
 use crate::progressive::ViewInput;
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{FULLSCREEN, GRID, PACK, SH, TRANSPORT, VIEW};
+use crate::wgsl::{FACE, FULLSCREEN, GRID, PACK, SH, TRANSPORT, VIEW};
 
 pub(super) const SHADER: Shader = Shader {
     name: "light/reconstruction",
-    parts: &[GRID, VIEW, PACK, SH, TRANSPORT, FULLSCREEN, include_str!("reconstruction.wgsl")],
+    parts: &[GRID, VIEW, PACK, SH, FACE, TRANSPORT, FULLSCREEN, include_str!("reconstruction.wgsl")],
 };
 
 /// Format of irradiance targets.

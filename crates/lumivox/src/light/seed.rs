@@ -6,12 +6,12 @@
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::progressive::DirectLight;
 use crate::volume::{EMISSION, VolumeBuffer};
-use crate::wgsl::{GRID, PACK, SH, TRANSPORT, linear_groups};
+use crate::wgsl::{FACE, GRID, PACK, SH, TRANSPORT, linear_groups};
 
 use super::PropagationUniform;
 
 pub(super) const SHADER: Shader =
-    Shader { name: "light/seed", parts: &[GRID, PACK, SH, TRANSPORT, include_str!("seed.wgsl")] };
+    Shader { name: "light/seed", parts: &[GRID, PACK, SH, FACE, TRANSPORT, include_str!("seed.wgsl")] };
 
 /// What is lit.
 #[derive(Debug)]

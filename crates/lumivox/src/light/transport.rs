@@ -2,10 +2,12 @@
 
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::{ALBEDO, NORMAL, VolumeBuffer};
-use crate::wgsl::{GRID, PACK, SH, TRANSPORT, linear_groups};
+use crate::wgsl::{FACE, GRID, PACK, SH, TRANSPORT, linear_groups};
 
-pub(super) const SHADER: Shader =
-    Shader { name: "light/transport", parts: &[GRID, PACK, SH, TRANSPORT, include_str!("transport.wgsl")] };
+pub(super) const SHADER: Shader = Shader {
+    name: "light/transport",
+    parts: &[GRID, PACK, SH, FACE, TRANSPORT, include_str!("transport.wgsl")],
+};
 
 #[derive(Debug)]
 pub(super) struct Transport(ComputePass);

@@ -116,6 +116,13 @@ impl VolumeBuffer {
         self.channels.iter().find(|c| c.format.name == name)
     }
 
+    /// The current state of a channel that `pass` cannot do without.
+    pub(crate) fn require(&self, pass: &'static str, name: &'static str) -> Result<&Buffer, GpuError> {
+        let missing =
+            || GpuError::Binding { pass, reason: format!("needs a volume with the channel {name}") };
+        self.channel(name).ok_or_else(missing)
+    }
+
     /// Current states to read and previous ones to write, in the order the channels were asked for: what a pass
     /// needs that rewrites the volume. Follow it with [`Self::swap`]. Channels that are kept once are left out.
     pub fn ping_pong(&mut self) -> (&Uniform<GridUniform>, Vec<(&Buffer, &mut Buffer)>) {

@@ -11,12 +11,6 @@ struct PropagationUniform {
     lobe_ratio: f32,
 }
 
-// Faces in the order +x, -x, +y, -y, +z, -z.
-const FACE_NORMALS = array<vec3f, 6>(
-    vec3f(1.0, 0.0, 0.0), vec3f(-1.0, 0.0, 0.0),
-    vec3f(0.0, 1.0, 0.0), vec3f(0.0, -1.0, 0.0),
-    vec3f(0.0, 0.0, 1.0), vec3f(0.0, 0.0, -1.0),
-);
 const ALL_FACES: u32 = 63u;
 const OCCUPIED: u32 = 64u;
 

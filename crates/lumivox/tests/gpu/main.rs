@@ -7,6 +7,7 @@ mod cells;
 mod contract;
 mod definition;
 mod energy;
+mod gather;
 mod light;
 mod lighting;
 mod picture;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         lighting::TESTS,
         light::TESTS,
         energy::TESTS,
+        gather::TESTS,
         contract::TESTS,
         single_pass::TESTS,
     ]

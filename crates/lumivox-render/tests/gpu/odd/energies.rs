@@ -56,14 +56,14 @@ fn closed_boxes(gpu: &Gpu) -> Result<(), Failed> {
             let mut renderer = Renderer::new(gpu, &scene, Settings { iterations: 0, ..tiny(voxels) })?;
             renderer.set_camera(&builtin::furnace(0).cameras[0]);
             renderer.frame(None)?;
-            let sent = renderer.flux_under_way()?;
+            let sent = renderer.light_in_volume()?;
             let mut most = sent;
             for _ in 0..20 {
                 renderer.settle(100, None)?;
-                most = most.max(renderer.flux_under_way()?);
+                most = most.max(renderer.light_in_volume()?);
             }
             faults.check(gpu, &what, &mut renderer)?;
-            let left = renderer.flux_under_way()?;
+            let left = renderer.light_in_volume()?;
             // Rounding to half floats is unbiased but not exact: 2000 steps of it stay within a hundredth.
             if most > 1.01 * sent || (sent == 0.0) != (albedo == 0.0) {
                 faults.0.push(format!("{what}: {sent} W were sent, {most} were under way"));

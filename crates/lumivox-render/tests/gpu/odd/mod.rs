@@ -58,9 +58,14 @@ impl Faults {
 
     /// Renders a scene from nothing, from views and from triangles.
     fn look_at(&mut self, gpu: &Gpu, what: &str, scene: &Scene, camera: &Camera) -> Result<(), Failed> {
-        for voxels in [VoxelSource::Progressive, VoxelSource::Triangles] {
-            let what = format!("{what}, {voxels:?}");
-            let mut renderer = match Renderer::new(gpu, scene, tiny(voxels)) {
+        for (voxels, gi) in [
+            (VoxelSource::Progressive, GiMethod::Propagation),
+            (VoxelSource::Triangles, GiMethod::Propagation),
+            (VoxelSource::Progressive, GiMethod::Gather),
+            (VoxelSource::Triangles, GiMethod::Gather),
+        ] {
+            let what = format!("{what}, {voxels:?}, {gi:?}");
+            let mut renderer = match Renderer::new(gpu, scene, Settings { gi, ..tiny(voxels) }) {
                 Ok(renderer) => renderer,
                 Err(error) => {
                     self.0.push(format!("{what}: refused: {error}"));
@@ -109,7 +114,7 @@ impl Faults {
         }
         let cells = renderer.direct_light().read_back(gpu)?;
         wrong("direct light", cells.iter().flatten().filter(|c| !c.is_finite()).count());
-        wrong("the flux", usize::from(!renderer.flux_under_way()?.is_finite()));
+        wrong("the flux", usize::from(!renderer.light_in_volume()?.is_finite()));
         Ok(gpu.check()?)
     }
 }

@@ -1,0 +1,180 @@
+//! The ways of light through the volume, and what each takes of a frame.
+
+use lumivox::VolumeBuffer;
+use lumivox::gather::{GatherSettings, GatheredLight};
+use lumivox::gpu::{Gpu, GpuError, Texture};
+use lumivox::light::{IndirectLight, LightSettings};
+use lumivox::progressive::{DirectLight, ViewInput};
+use lumivox::wgpu::CommandEncoder;
+
+use super::injected_lights::InjectedLight;
+use super::{GiMethod, Settings};
+
+/// Light of the volume.
+#[derive(Debug)]
+pub(super) enum Indirect {
+    /// From cell to cell.
+    Propagated(Box<IndirectLight>),
+    /// Along rays.
+    Gathered(Box<GatheredLight>),
+}
+
+impl Indirect {
+    pub(super) fn new(
+        gpu: &Gpu,
+        volume: &VolumeBuffer,
+        settings: &Settings,
+        light: LightSettings,
+    ) -> Result<Self, GpuError> {
+        if settings.gi == GiMethod::Gather {
+            let settings = GatherSettings { sky: light.sky, ..settings.gather };
+            return Ok(Self::Gathered(Box::new(GatheredLight::new(gpu, volume, settings)?)));
+        }
+        let propagated = IndirectLight::new(gpu, volume)?;
+        propagated.update(gpu, &light);
+        Ok(Self::Propagated(Box::new(propagated)))
+    }
+
+    /// The stage that takes the time.
+    pub(super) fn stage(&self) -> &'static str {
+        match self {
+            Self::Propagated(_) => "light/propagation",
+            Self::Gathered(_) => "gather/bounce",
+        }
+    }
+
+    /// Once per frame, before recording.
+    pub(super) fn update(&mut self, gpu: &Gpu) {
+        if let Self::Gathered(light) = self {
+            light.begin_frame(gpu);
+        }
+    }
+
+    /// No direct light yet.
+    pub(super) fn record_dark(&mut self, encoder: &mut CommandEncoder) {
+        if let Self::Gathered(light) = self {
+            light.record_dark(encoder);
+        }
+    }
+
+    /// Surfels of the volume as it is now.
+    pub(super) fn record_surfels(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        light.record_surfels(gpu, encoder, volume)
+    }
+
+    /// Sub-cells that a view proves empty, or all if none are kept.
+    pub(super) fn record_cleanup(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        view: &ViewInput,
+        volume: &VolumeBuffer,
+        keeps: bool,
+    ) -> Result<(), GpuError> {
+        match self {
+            Self::Propagated(_) => Ok(()),
+            Self::Gathered(light) if keeps => light.record_cleanup(gpu, encoder, view, volume),
+            Self::Gathered(light) => {
+                light.record_clear_subcells(encoder);
+                Ok(())
+            }
+        }
+    }
+
+    /// Light that a light's views show.
+    pub(super) fn record_light(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        source: &InjectedLight,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        source.views.iter().try_for_each(|v| light.record_light(gpu, encoder, &v.input, volume))
+    }
+
+    /// Surfaces that a light's views show, after those that they prove gone.
+    pub(super) fn record_surfaces(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        source: &InjectedLight,
+        volume: &VolumeBuffer,
+        keeps: bool,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        if !source.is_full {
+            return Ok(());
+        }
+        source.views.iter().try_for_each(|v| {
+            if keeps {
+                light.record_cleanup(gpu, encoder, &v.input, volume)?;
+            }
+            light.record_injection(gpu, encoder, &v.input, volume)
+        })
+    }
+
+    /// Surfaces that a view shows.
+    pub(super) fn record_injection(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        view: &ViewInput,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        light.record_injection(gpu, encoder, view, volume)
+    }
+
+    /// What steps start from: flux, or what rays meet.
+    pub(super) fn record_seed(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        direct: &DirectLight,
+    ) -> Result<(), GpuError> {
+        match self {
+            Self::Propagated(light) => {
+                light.record_transport(gpu, encoder, volume)?;
+                light.record_seed(gpu, encoder, volume, direct)
+            }
+            Self::Gathered(light) => light.record_trace(gpu, encoder, volume),
+        }
+    }
+
+    /// Steps from cell to cell, or bounces.
+    pub(super) fn record_steps(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        steps: u32,
+    ) -> Result<(), GpuError> {
+        match self {
+            Self::Propagated(light) => light.record_propagation(gpu, encoder, volume, steps),
+            Self::Gathered(light) => light.record_bounces(gpu, encoder, volume, steps),
+        }
+    }
+
+    /// Irradiance at the pixels of a view.
+    pub(super) fn record_reconstruction(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+    ) -> Result<(), GpuError> {
+        match self {
+            Self::Propagated(light) => light.record_reconstruction(gpu, encoder, volume, view, target),
+            Self::Gathered(light) => light.record_reconstruction(gpu, encoder, volume, view, target),
+        }
+    }
+}

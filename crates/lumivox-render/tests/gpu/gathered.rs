@@ -1,0 +1,132 @@
+//! Gathered light in whole frames: closed forms, leaks, rest and motion.
+
+use glam::Vec3;
+use libtest_mimic::Failed;
+use lumivox::gpu::Gpu;
+use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
+use lumivox_scene::{Camera, Light, builtin};
+
+use crate::Check;
+use crate::scenes::{settle, small};
+
+pub(crate) const TESTS: &[(&str, Check)] = &[
+    ("gathered light: a furnace settles at its closed form", furnace),
+    ("gathered light: a dark room beside a lit one stays dark", dark_room),
+    ("gathered light: a frame of a still scene is like the one before", rest),
+    ("gathered light: a lamp that goes out leaves no light in the picture", lamp_out),
+    ("gathered light: the first frame of views has light", first_frame),
+];
+
+fn gathering(voxels: VoxelSource) -> Settings {
+    Settings { gi: GiMethod::Gather, voxels, layer: Layer::Indirect, ..small() }
+}
+
+fn mean(picture: &[Vec3]) -> f32 {
+    picture.iter().map(|p| p.y).sum::<f32>() / picture.len() as f32
+}
+
+fn furnace(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::furnace(0);
+    let settings = Settings { layer: Layer::Final, ..gathering(VoxelSource::Triangles) };
+    let mut renderer = Renderer::new(gpu, &scene, settings)?;
+    renderer.set_camera(&scene.cameras[0]);
+    settle(&mut renderer)?;
+    let picture = renderer.read_picture()?;
+    let worst = picture.iter().map(|p| (p.y - 1.0).abs()).fold(0.0, f32::max);
+    assert!(worst < 0.01, "a pixel is {worst} from the closed form");
+    Ok(())
+}
+
+/// Walls of a quarter of a cell, of half of one, and of a whole one.
+fn dark_room(gpu: &Gpu) -> Result<(), Failed> {
+    for thickness in [0.095, 0.19, 0.38] {
+        let scene = builtin::two_rooms(0, thickness);
+        let settings = Settings { grid: 24, ..gathering(VoxelSource::Triangles) };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        let mut seen = [0.0; 2];
+        for (side, seen) in [-1.0, 1.0].into_iter().zip(&mut seen) {
+            let from = Vec3::new(side * (0.5 * thickness + 3.8), 1.4, 1.8);
+            let camera = Camera::look("room", from, Vec3::new(side * 0.5, 1.2, -0.5), 80.0);
+            renderer.set_camera(&camera);
+            settle(&mut renderer)?;
+            let picture = renderer.read_picture()?;
+            // Of the dark room, the brightest pixel.
+            *seen = if side < 0.0 { mean(&picture) } else { picture.iter().map(|p| p.y).fold(0.0, f32::max) };
+        }
+        let cell = renderer.volume().grid().cell_size;
+        eprintln!(
+            "walls of {:.2} cells: lit {}, brightest pixel of the dark {}",
+            thickness / cell,
+            seen[0],
+            seen[1]
+        );
+        assert!(seen[0] > 0.05, "the lit room is dark: {}", seen[0]);
+        let leak = if thickness < cell { 0.02 } else { 0.005 };
+        assert!(seen[1] <= leak * seen[0], "{} of {} through {thickness} m", seen[1], seen[0]);
+    }
+    Ok(())
+}
+
+fn rest(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    for voxels in [VoxelSource::Triangles, VoxelSource::Progressive] {
+        let mut renderer = Renderer::new(gpu, &scene, Settings { layer: Layer::Final, ..gathering(voxels) })?;
+        renderer.set_camera(&scene.cameras[0]);
+        for _ in 0..12 {
+            renderer.frame(None)?;
+        }
+        let before = renderer.read_picture()?;
+        renderer.frame(None)?;
+        let after = renderer.read_picture()?;
+        let change =
+            before.iter().zip(&after).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
+        // A quarter of a step of 8 bits, of the brightest that is not yet white.
+        assert!(change < 0.25 / 255.0, "{voxels:?}: a pixel changes by {change}");
+    }
+    Ok(())
+}
+
+fn lamp_out(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    let mut renderer = Renderer::new(gpu, &scene, gathering(VoxelSource::Progressive))?;
+    renderer.set_camera(&scene.cameras[0]);
+    for _ in 0..4 {
+        renderer.frame(None)?;
+    }
+    let lit = mean(&renderer.read_picture()?);
+    let out: Vec<Light> = scene
+        .lights
+        .iter()
+        .cloned()
+        .map(|light| match light {
+            Light::Spot { position, direction, cutoff, beam, falloff, .. } => {
+                Light::Spot { position, direction, cutoff, beam, falloff, intensity: Vec3::ZERO }
+            }
+            other => other,
+        })
+        .collect();
+    renderer.set_lights(&out);
+    for _ in 0..8 {
+        renderer.frame(None)?;
+    }
+    let left = mean(&renderer.read_picture()?);
+    assert!(lit > 0.01, "there is no light: {lit}");
+    assert!(left < 0.01 * lit, "{left} of {lit} is left after eight frames");
+    Ok(())
+}
+
+fn first_frame(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    for voxels in [VoxelSource::Progressive, VoxelSource::SingleFrame, VoxelSource::SinglePass] {
+        let mut renderer = Renderer::new(gpu, &scene, gathering(voxels))?;
+        renderer.set_camera(&scene.cameras[0]);
+        renderer.frame(None)?;
+        let first = mean(&renderer.read_picture()?);
+        for _ in 0..6 {
+            renderer.frame(None)?;
+        }
+        let later = mean(&renderer.read_picture()?);
+        assert!(first > 0.7 * later && later > 0.01, "{voxels:?}: {first} at first, {later} later");
+    }
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! A bounce: what the rays of a surfel met shines on it, and its albedo's part of that leaves again.
+
+use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
+use crate::volume::{ALBEDO, EMISSION, VolumeBuffer};
+use crate::wgsl::{GRID, PACK, linear_groups};
+
+use super::{GatherUniform, SURFEL, Store};
+
+pub(super) const SHADER: Shader =
+    Shader { name: "gather/bounce", parts: &[GRID, PACK, SURFEL, include_str!("bounce.wgsl")] };
+
+#[derive(Debug)]
+pub(super) struct Bounce(ComputePass);
+
+impl Bounce {
+    /// The pass that gathers, or the one that only takes up this frame's own light.
+    pub(super) fn new(gpu: &Gpu, gathers: bool) -> Self {
+        Self(ComputePass::new(gpu, &SHADER, &[("GATHERS", f64::from(u8::from(gathers)))]))
+    }
+
+    pub(super) fn record(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
+        store: &mut Store,
+        capacity: u32,
+    ) -> Result<(), GpuError> {
+        let bindings = Bindings::new()
+            .read("settings", settings)
+            .read("albedo", volume.require(SHADER.name, ALBEDO)?)
+            .read("emission", volume.require(SHADER.name, EMISSION)?)
+            .read("surfels", &store.surfels)
+            .read("light", &store.light)
+            .read("hits", &store.hits)
+            .read("before", &store.shine)
+            .write("after", &mut store.next_shine);
+        self.0.record(gpu, encoder, &bindings, linear_groups(capacity))
+    }
+}

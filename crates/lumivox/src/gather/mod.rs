@@ -1,0 +1,434 @@
+//! Indirect light by gathering: rays from the surfaces in a volume's cells through its empty space.
+//!
+//! Propagation ([`crate::light`]) hands light from cell to cell and blurs it on the way. Here each side of the surface in
+//! each cell, a *surfel*, traces rays over its hemisphere once, keeps what they met, and from then on a bounce of light
+//! is a sum over these. Same volume in, irradiance at the pixels of a G-buffer out.
+//!
+//! | stage | does |
+//! | --- | --- |
+//! | `mask` | which of the 4 x 4 x 4 sub-cells of each cell are filled, and which cells of a block |
+//! | `surfels` | for each cell and each of six directions, whether there is a surface that faces it |
+//! | `direct` | light of a view (a reflective shadow map) at points of each surfel |
+//! | `trace` | rays through the sub-cells; empty cells and blocks are crossed in one step |
+//! | `bounce` | radiance of what the rays met becomes irradiance, and irradiance radiance |
+//! | `reconstruction` | irradiance at a pixel from the surfels around it that face its way |
+//!
+//! **Sub-cells.** Visibility is decided in a grid four times as fine as the volume, a bit for each sub-cell, 8 bytes for each
+//! cell; colours stay in the volume. A wall a quarter of a cell thick holds light back, and has a surfel on
+//! either side. Where nothing is known of the sub-cells, all of an occupied cell are filled.
+//!
+//! **Light is pulled, not stored.** A surfel asks each view at some of its points what the view sees there: if that is the surfel's
+//! own surface, its radiance counts, else the point is in shadow. So a cell half in shadow has half the light, no light
+//! outlives its lamp, and no two cells mix.
+//!
+//! **Energy.** A surfel sends out its albedo's part of the mean of what its rays meet, and its rays stand for equal parts of
+//! its irradiance. So no bounce makes energy, whatever the settings, and each that is recorded adds one to the light's path.
+//!
+//! **Order.** [`record_dark`](GatheredLight::record_dark) and [`record_light`](GatheredLight::record_light) for each view in each
+//! frame; `mask` and `surfels` after the volume changed; then `trace`, bounces, `reconstruction`. Surfels that are new in a
+//! frame receive indirect light at once and direct light in the next.
+//! Surfels keep their place and their light from frame to frame, so that one or two bounces a frame are all bounces in time.
+
+mod bounce;
+mod direct;
+mod mask;
+mod reconstruction;
+mod surfels;
+mod trace;
+mod view_subcells;
+
+use glam::Vec3;
+
+use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
+use crate::progressive::{LightView, ViewInput};
+use crate::volume::{VolumeBuffer, check_grid};
+use crate::wgsl::HALF_MAX;
+
+/// The shared shader part of surfels.
+const SURFEL: &str = include_str!("surfel.wgsl");
+/// The shared shader part of rays; after [`SURFEL`].
+const MARCH: &str = include_str!("march.wgsl");
+
+/// Places of a cell in the table of surfels: two for each face.
+const SIDES: usize = 12;
+/// Bytes of a cell in that table. The mask and the sub-cells have 8 each.
+const TABLE_BYTES: u64 = 4 * SIDES as u64;
+/// Bytes of the sub-cells of one cell.
+const MASK_BYTES: u64 = 8;
+/// No surfel, in tables; the same bits mark a place without one.
+const NO_SURFEL: u32 = u32::MAX;
+/// A ray not traced yet.
+const UNTRACED: u32 = u32::MAX - 2;
+
+/// How light is gathered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatherSettings {
+    /// Rays of a surfel, 1 to 1024. More mean less grain; the error of a surfel's irradiance falls about as fast as their number
+    /// grows. Memory is 4 bytes a ray.
+    pub rays: u32,
+    /// Frames over which the rays of all surfels are traced anew, 1 to `rays`. With more a frame costs less, and what moves is
+    /// seen later by others.
+    pub frames: u32,
+    /// Points of a surfel at which a view is asked for light, 1 to 64. More resolve the edges of shadows.
+    pub light_points: u32,
+    /// Room for surfels. Without it one for each cell, or as many as fit into a binding, if that is less: a room needs one to
+    /// five cells, a palace of arches nine to ten. Those that find no room are dark, and counted.
+    pub surfels: Option<u32>,
+    /// Radiance of the sky, that rays meet which leave the grid, W/(m2 sr).
+    pub sky: Vec3,
+}
+
+impl Default for GatherSettings {
+    fn default() -> Self {
+        Self { rays: 128, frames: 1, light_points: 16, surfels: None, sky: Vec3::ZERO }
+    }
+}
+
+crate::gpu_struct! {
+    /// [`GatherSettings`] of one frame as shaders see it.
+    pub struct GatherUniform {
+        /// Radiance of the sky.
+        pub sky: Vec3,
+        /// Rays of a surfel.
+        pub rays: u32,
+        /// The first of those traced this frame.
+        pub first_ray: u32,
+        /// Rays of a surfel traced this frame.
+        pub traced_rays: u32,
+        /// Room for surfels.
+        pub capacity: u32,
+        /// Points of a surfel at which a view is asked.
+        pub light_points: u32,
+    }
+}
+
+/// Surfels in use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfelCount {
+    /// Surfels that there are.
+    pub used: u32,
+    /// Room for them.
+    pub capacity: u32,
+    /// Surfels that found no room in the last [`GatheredLight::record_surfels`]; they are dark.
+    pub refused: u32,
+}
+
+/// The gathered light of one volume: its stages and what they keep.
+#[derive(Debug)]
+pub struct GatheredLight {
+    passes: Passes,
+    settings: GatherSettings,
+    uniform: Uniform<GatherUniform>,
+    capacity: u32,
+    frame: u32,
+    subcells_known: bool,
+    store: Store,
+}
+
+#[derive(Debug)]
+struct Passes {
+    whole_cells: mask::Mask,
+    known_subcells: mask::Mask,
+    free: surfels::Surfels,
+    give: surfels::Surfels,
+    direct: direct::Direct,
+    view_subcells: view_subcells::ViewSubcells,
+    trace: trace::Trace,
+    take_light: bounce::Bounce,
+    bounce: bounce::Bounce,
+    reconstruction: reconstruction::Reconstruction,
+}
+
+/// All that is kept on the GPU.
+#[derive(Debug)]
+struct Store {
+    subcells: Buffer,
+    mask: Buffer,
+    blocks: Buffer,
+    table: Buffer,
+    surfels: Buffer,
+    free_places: Buffer,
+    counts: Buffer,
+    light: Buffer,
+    hits: Buffer,
+    shine: Buffer,
+    next_shine: Buffer,
+}
+
+impl GatheredLight {
+    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 68 and 4 for each ray.
+    ///
+    /// # Errors
+    /// A grid or a number of rays that does not fit the device.
+    pub fn new(gpu: &Gpu, volume: &VolumeBuffer, settings: GatherSettings) -> Result<Self, GpuError> {
+        let settings = GatherSettings {
+            rays: settings.rays.clamp(1, 1024),
+            frames: settings.frames.clamp(1, settings.rays.clamp(1, 1024)),
+            light_points: settings.light_points.clamp(1, 64),
+            ..settings
+        };
+        check_grid(gpu, "the table of surfels", volume.grid(), TABLE_BYTES)?;
+        let cells = volume.grid().cell_count();
+        let limits = gpu.device.limits();
+        let room = limits.max_storage_buffer_binding_size / (4 * u64::from(settings.rays)).max(16);
+        let wanted = settings.surfels.map_or(cells, u64::from);
+        let capacity = wanted.clamp(64, room.max(64));
+        let blocks: u64 = volume.grid().dims.to_array().map(|n| u64::from(n.div_ceil(4))).iter().product();
+        let make = |name: &str, bytes: u64| Buffer::storage(gpu, &format!("gather/{name}"), bytes);
+        let store = Store {
+            subcells: make("sub-cells", cells * MASK_BYTES)?,
+            mask: make("mask", cells * MASK_BYTES)?,
+            blocks: make("blocks", blocks * MASK_BYTES)?,
+            table: make("table", cells * TABLE_BYTES)?,
+            surfels: make("surfels", capacity * 16)?,
+            free_places: make("free places", capacity * 4)?,
+            counts: make("counts", 8)?,
+            light: make("direct light", capacity * 16)?,
+            hits: make("hits", capacity * 4 * u64::from(settings.rays))?,
+            shine: make("shine", capacity * 16)?,
+            next_shine: make("next shine", capacity * 16)?,
+        };
+        let capacity = capacity as u32;
+        let write = |buffer: &Buffer, values: &[u32]| {
+            gpu.queue.write_buffer(&buffer.raw, 0, bytemuck::cast_slice(values));
+        };
+        write(&store.table, &vec![NO_SURFEL; SIDES * cells as usize]);
+        write(&store.surfels, &vec![NO_SURFEL; 4 * capacity as usize]);
+        // Low places are given out first.
+        write(&store.free_places, &(0..capacity).rev().collect::<Vec<_>>());
+        write(&store.counts, &[capacity, 0]);
+        let mut light = Self {
+            passes: Passes {
+                whole_cells: mask::Mask::new(gpu, false),
+                known_subcells: mask::Mask::new(gpu, true),
+                free: surfels::Surfels::new(gpu, true),
+                give: surfels::Surfels::new(gpu, false),
+                direct: direct::Direct::new(gpu),
+                view_subcells: view_subcells::ViewSubcells::new(gpu),
+                trace: trace::Trace::new(gpu),
+                take_light: bounce::Bounce::new(gpu, false),
+                bounce: bounce::Bounce::new(gpu, true),
+                reconstruction: reconstruction::Reconstruction::new(gpu),
+            },
+            uniform: Uniform::new(gpu, "gather/settings", &bytemuck::Zeroable::zeroed()),
+            settings,
+            capacity,
+            frame: 0,
+            subcells_known: false,
+            store,
+        };
+        light.begin_frame(gpu);
+        light.forget_hits(gpu);
+        Ok(light)
+    }
+
+    /// Begins a frame: says which rays it traces. Once before recording.
+    pub fn begin_frame(&mut self, gpu: &Gpu) {
+        let GatherSettings { rays, frames, light_points, sky, .. } = self.settings;
+        let traced_rays = rays.div_ceil(frames);
+        let first_ray = (self.frame * traced_rays) % (traced_rays * frames);
+        // The last frame of a round has what is left, which may be nothing.
+        let first_ray = first_ray.min(rays.saturating_sub(traced_rays));
+        self.frame = (self.frame + 1) % frames;
+        let sky = sky.clamp(Vec3::ZERO, Vec3::splat(HALF_MAX));
+        let uniform =
+            GatherUniform { sky, rays, first_ray, traced_rays, capacity: self.capacity, light_points };
+        self.uniform.write(gpu, &uniform);
+    }
+
+    /// Forgets what all rays met. Not for use inside a frame.
+    fn forget_hits(&mut self, gpu: &Gpu) {
+        let values = vec![UNTRACED; self.capacity as usize * self.settings.rays as usize];
+        gpu.queue.write_buffer(&self.store.hits.raw, 0, bytemuck::cast_slice(&values));
+    }
+
+    /// Says which sub-cells of each cell are filled: bit `x + 4 * (y + 4 * z)` of each cell's 64. From then on
+    /// these decide what is filled of the volume's occupied cells. Not for use inside a frame.
+    ///
+    /// # Errors
+    /// When there is not one value for each cell.
+    pub fn upload_subcells(&mut self, gpu: &Gpu, bits: &[u64]) -> Result<(), GpuError> {
+        if std::mem::size_of_val(bits) as u64 != self.store.subcells.size() {
+            return Err(GpuError::Validation(format!(
+                "{} cells of sub-cells do not fit the volume",
+                bits.len()
+            )));
+        }
+        gpu.queue.write_buffer(&self.store.subcells.raw, 0, bytemuck::cast_slice(bits));
+        self.subcells_known = true;
+        Ok(())
+    }
+
+    /// Clears the sub-cells that `view` proves empty.
+    pub fn record_cleanup(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &ViewInput,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        self.passes.view_subcells.record_cleanup(gpu, encoder, view, volume, &mut self.store)
+    }
+
+    /// Fills the sub-cells that the surfaces in `view` go through: of the views that bring the volume attributes. From then on
+    /// these decide what is filled.
+    pub fn record_injection(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &ViewInput,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        self.subcells_known = true;
+        self.passes.view_subcells.record_injection(gpu, encoder, view, volume, &mut self.store)
+    }
+
+    /// Empties all sub-cells.
+    pub fn record_clear_subcells(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.store.subcells.raw, 0, None);
+    }
+
+    /// Reads from the volume what is filled, and which surfels there are. After every change of the volume.
+    pub fn record_surfels(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let Passes { whole_cells, known_subcells, .. } = &self.passes;
+        let mask = if self.subcells_known { known_subcells } else { whole_cells };
+        mask.record(gpu, encoder, volume, &mut self.store)?;
+        // The count of those that find no room.
+        encoder.clear_buffer(&self.store.counts.raw, 4, Some(4));
+        self.passes.free.record(gpu, encoder, volume, &mut self.store)?;
+        self.passes.give.record(gpu, encoder, volume, &mut self.store)
+    }
+
+    /// Takes away all direct light; each frame, before that of its views.
+    pub fn record_dark(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.store.light.raw, 0, None);
+    }
+
+    /// Adds the light of one view: the reflective shadow map of a light, one of the six of a point light, or of one sample
+    /// of a large light. Views of one light must not overlap.
+    pub fn record_light<'v>(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        view: impl Into<LightView<'v>>,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let Self { passes, uniform, store, capacity, .. } = self;
+        passes.direct.record(gpu, encoder, view.into(), (volume, uniform), store, *capacity)
+    }
+
+    /// Traces this frame's rays.
+    pub fn record_trace(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let rays = self.capacity * self.settings.rays.div_ceil(self.settings.frames);
+        self.passes.trace.record(gpu, encoder, (volume, &self.uniform), &mut self.store, rays)
+    }
+
+    /// Takes up the light of this frame's views and of the volume's emission, and adds `count` bounces to what the frames before
+    /// left. May be called again to go on.
+    pub fn record_bounces(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        count: u32,
+    ) -> Result<(), GpuError> {
+        for n in 0..=count {
+            let Self { passes, uniform, store, capacity, .. } = self;
+            let pass = if n == 0 { &passes.take_light } else { &passes.bounce };
+            pass.record(gpu, encoder, (volume, uniform), store, *capacity)?;
+            std::mem::swap(&mut self.store.shine, &mut self.store.next_shine);
+        }
+        Ok(())
+    }
+
+    /// Irradiance in W/m2 at every pixel of a G-buffer, into a target of [`crate::light::IRRADIANCE_FORMAT`]. Black where
+    /// nothing was drawn, and where no surfel is near.
+    pub fn record_reconstruction(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+    ) -> Result<(), GpuError> {
+        self.passes.reconstruction.record(gpu, encoder, volume, &self.store, view, target)
+    }
+
+    /// How many surfels there are. Waits; not for use inside a frame.
+    pub fn count(&self, gpu: &Gpu) -> Result<SurfelCount, GpuError> {
+        let counts: Vec<i32> = read_buffer(gpu, &self.store.counts)?;
+        let free = counts[0].clamp(0, self.capacity as i32) as u32;
+        Ok(SurfelCount {
+            used: self.capacity - free,
+            capacity: self.capacity,
+            refused: counts[1].max(0) as u32,
+        })
+    }
+
+    /// The sub-cells of each cell that rays see, as in [`upload_subcells`](Self::upload_subcells). Waits; not for use inside a
+    /// frame.
+    pub fn read_subcells(&self, gpu: &Gpu) -> Result<Vec<u64>, GpuError> {
+        read_buffer(gpu, &self.store.mask)
+    }
+
+    /// Irradiance, summed over surfels and colour bands: grows with each bounce by less, until light has settled. Reads back and
+    /// waits; not for use inside a frame.
+    pub fn total_irradiance(&self, gpu: &Gpu) -> Result<f64, GpuError> {
+        let shine: Vec<[half::f16; 8]> = read_buffer(gpu, &self.store.shine)?;
+        Ok(shine.iter().flat_map(|s| &s[4..7]).map(|e| e.to_f64()).sum())
+    }
+
+    /// Irradiance of each cell's six sides, in the order +x, -x, +y, -y, +z, -z; none where there is no surfel, and the mean
+    /// where there are two. Waits; not for use inside a frame.
+    pub fn read_irradiance(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
+        let shine: Vec<[half::f16; 8]> = read_buffer(gpu, &self.store.shine)?;
+        self.read_sides(gpu, |place| {
+            shine.get(place).map(|s| Vec3::from_array(std::array::from_fn(|i| s[4 + i].to_f32())))
+        })
+    }
+
+    /// Radiance that each cell's six sides reflect of this frame's views, likewise.
+    pub fn read_direct(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
+        let light: Vec<[f32; 4]> = read_buffer(gpu, &self.store.light)?;
+        self.read_sides(gpu, |place| light.get(place).map(|l| Vec3::new(l[0], l[1], l[2])))
+    }
+
+    fn read_sides(
+        &self,
+        gpu: &Gpu,
+        value: impl Fn(usize) -> Option<Vec3>,
+    ) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
+        let table: Vec<[[u32; 2]; 6]> = read_buffer(gpu, &self.store.table)?;
+        let side = |parts: [u32; 2]| {
+            let found = parts.map(|place| value(place as usize));
+            match found {
+                [Some(one), Some(other)] => Some(0.5 * (one + other)),
+                [one, other] => one.or(other),
+            }
+        };
+        Ok(table.iter().map(|cell| cell.map(side)).collect())
+    }
+}
+
+pub(crate) fn shaders() -> Vec<Shader> {
+    vec![
+        mask::SHADER,
+        surfels::SHADER,
+        direct::SHADER,
+        view_subcells::CLEANUP,
+        view_subcells::INJECTION,
+        trace::SHADER,
+        bounce::SHADER,
+        reconstruction::SHADER,
+    ]
+}

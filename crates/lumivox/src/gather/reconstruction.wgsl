@@ -1,0 +1,92 @@
+// Irradiance of one pixel per invocation, between the surfels around it.
+
+@group(0) @binding(0) var<uniform> grid: GridUniform;
+@group(0) @binding(1) var<uniform> view: ViewUniform;
+@group(0) @binding(2) var depth: texture_2d<f32>;
+@group(0) @binding(3) var normal: texture_2d<f32>;
+@group(0) @binding(4) var<storage, read> table: array<u32>;
+@group(0) @binding(5) var<storage, read> surfels: array<vec4u>;
+@group(0) @binding(6) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(7) var<storage, read> mask: array<vec2u>;
+@group(0) @binding(8) var<storage, read> blocks: array<vec2u>;
+
+// Light from behind a wall must not reach a pixel by interpolation: this much of a surfel's weight is left if the way to it is
+// blocked, for pixels to which all ways seem so.
+const BLOCKED: f32 = 1e-5;
+
+// Whether a surfel can be seen from `eye`, in sub-cells: one of its open faces, near its middle.
+fn in_sight(surfel: Surfel, eye: vec3f) -> bool {
+    let points = bit_count(surfel.bits);
+    let corner = subcell_corner(cell_from_index(grid, surfel.cell), nth_bit(surfel.bits, (5u * points) / 8u));
+    let way = corner + 0.5 + 0.75 * FACE_NORMALS[surfel.side / 2u] - eye;
+    return march(eye, way, 1.0).ended == REACHED_LIMIT;
+}
+
+// Weighted irradiance of the surfels in the eight cells around p, as far as they can be seen from `eye`, and the sum of the
+// weights.
+fn interpolated(p: vec3f, n: vec3f, eye: vec3f) -> vec4f {
+    let low = floor(p - 0.5);
+    let fraction = p - 0.5 - low;
+    var sum = vec4f(0.0);
+    for (var corner = 0u; corner < 8u; corner++) {
+        let offset = vec3u(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
+        let cell = vec3i(low) + vec3i(offset);
+        if !cell_in_grid(grid, cell) {
+            continue;
+        }
+        let along = select(1.0 - fraction, fraction, offset == vec3u(1u));
+        let near = along.x * along.y * along.z + 1e-4;
+        let at = SIDES * cell_index(grid, vec3u(cell));
+        for (var part = 0u; part < 6u; part++) {
+            let axis = part / 2u;
+            let facing_axis = n[axis] * n[axis];
+            let place = table[at + 4u * axis + select(0u, 2u, n[axis] < 0.0) + part % 2u];
+            if place == NO_SURFEL || facing_axis < 1e-3 {
+                continue;
+            }
+            let surfel = unpack_surfel(surfels[place]);
+            let facing = max(dot(surfel.normal, n), 0.0);
+            let weight = near * facing_axis * facing * facing * select(BLOCKED, 1.0, in_sight(surfel, eye));
+            sum += weight * vec4f(unpack_half4(shine[place].zw).rgb, 1.0);
+        }
+    }
+    return sum;
+}
+
+// A point in free space just off a surface, in sub-cells: towards the eye it is free, but for sub-cells that the surface
+// fills in part.
+fn free_point(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
+    let surface = 4.0 * p + 0.6 * n;
+    for (var step = 1; step < 5; step++) {
+        let point = surface + 0.6 * f32(step) * towards_eye;
+        let at = vec3i(floor(point));
+        if any(at < vec3i(0)) || any(at >= SUBCELLS * vec3i(grid.dims)) || empty_side(at) > 0 {
+            return point;
+        }
+    }
+    return surface + 0.6 * towards_eye;
+}
+
+// A surface in a crease may have no cell that faces its way; the nearest that do lie further out.
+fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
+    let eye = free_point(p, n, towards_eye);
+    var sum = vec4f(0.0);
+    for (var step = 0u; step < 3u && sum.w < 1e-3; step++) {
+        sum += interpolated(p + 0.75 * f32(step) * n, n, eye);
+    }
+    return clamp(sum.rgb / max(sum.w, 1e-12), vec3f(0.0), vec3f(HALF_MAX));
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let texel = vec2u(position.xy);
+    let pixel_depth = textureLoad(depth, texel, 0).r;
+    let n = textureLoad(normal, texel, 0).xyz;
+    if pixel_depth == view.far_depth || dot(n, n) < 0.25 {
+        return vec4f(0.0);
+    }
+    let world = world_from_texel(view, texel, pixel_depth);
+    let nearer = world_from_texel(view, texel, mix(pixel_depth, 1.0 - view.far_depth, 0.5));
+    let p = grid_from_world(grid, world);
+    return vec4f(irradiance_at(p, normalize(n), normalize(nearer - world)), 1.0);
+}

@@ -1,0 +1,89 @@
+// Surfels: one side of the surface in one cell, and the sub-cells it consists of. Where something stands on it that parts the space
+// before it, such as a thin wall on a floor, it is two.
+
+// Sub-cells along an axis of a cell, and of a block of cells.
+const SUBCELLS: i32 = 4;
+const BLOCK_CELLS: i32 = 4;
+// Places of a cell in the table of surfels: two for each face.
+const SIDES: u32 = 12u;
+// No surfel: in the table of cells; a ray that left the grid; a ray that met a side without a surfel.
+const NO_SURFEL: u32 = 0xffffffffu;
+const SKY_HIT: u32 = 0xffffffffu;
+const DARK_HIT: u32 = 0xfffffffeu;
+// A ray that has not been traced yet.
+const UNTRACED: u32 = 0xfffffffdu;
+
+struct GatherUniform {
+    // Radiance of the sky.
+    sky: vec3f,
+    // Rays of a surfel.
+    rays: u32,
+    // The first of those that are traced this frame, and their number.
+    first_ray: u32,
+    traced_rays: u32,
+    // Room for surfels.
+    capacity: u32,
+    // Points of a surfel at which a view is asked for light.
+    light_points: u32,
+}
+
+struct Surfel {
+    exists: bool,
+    cell: u32,
+    // Twice its face, plus one for the second of two parts between which no way leads in front of them.
+    side: u32,
+    // Bit x + 4 * (y + 4 * z): the sub-cells whose face is open on this side.
+    bits: vec2u,
+    normal: vec3f,
+}
+
+fn octahedral(n: vec3f) -> vec2f {
+    let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+    let folded = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
+    return select(p, folded, n.z < 0.0);
+}
+
+fn from_octahedral(p: vec2f) -> vec3f {
+    let z = 1.0 - abs(p.x) - abs(p.y);
+    let folded = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
+    return normalize(vec3f(select(p, folded, z < 0.0), z));
+}
+
+fn pack_surfel(s: Surfel) -> vec4u {
+    return vec4u(SIDES * s.cell + s.side, pack2x16snorm(octahedral(s.normal)), s.bits);
+}
+
+fn unpack_surfel(p: vec4u) -> Surfel {
+    return Surfel(p.x != NO_SURFEL, p.x / SIDES, p.x % SIDES, p.zw, from_octahedral(unpack2x16snorm(p.y)));
+}
+
+fn bit_count(bits: vec2u) -> u32 {
+    return countOneBits(bits.x) + countOneBits(bits.y);
+}
+
+// The word pair with this bit alone.
+fn one_bit(bit: u32) -> vec2u {
+    return vec2u(select(0u, 1u << (bit & 31u), bit < 32u), select(1u << (bit & 31u), 0u, bit < 32u));
+}
+
+// The lowest corner of sub-cell `bit` of a cell, in sub-cells of the grid.
+fn subcell_corner(cell: vec3u, bit: u32) -> vec3f {
+    return vec3f(4u * cell + vec3u(bit & 3u, (bit >> 2u) & 3u, bit >> 4u));
+}
+
+// The bit of the n-th sub-cell of a surfel.
+fn nth_bit(bits: vec2u, n: u32) -> u32 {
+    let low = countOneBits(bits.x);
+    var word = select(bits.y, bits.x, n < low);
+    for (var skip = select(n - low, n, n < low); skip > 0u; skip--) {
+        word &= word - 1u;
+    }
+    return firstTrailingBit(word) + select(32u, 0u, n < low);
+}
+
+// A number that looks random, 0 to 1.
+fn hashed(a: u32, b: u32) -> f32 {
+    var h = a * 747796405u + b * 2891336453u + 2654435769u;
+    h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+    return f32((h >> 22u) ^ h) / 4294967296.0;
+}
