@@ -116,9 +116,13 @@ impl GpuScene {
         geometry.append(panels, false);
         geometry.draws.sort_by_key(|d| d.material);
 
-        let mut textures = vec![upload_texture(gpu, &white())?];
-        for image in &scene.textures {
-            textures.push(upload_texture(gpu, image)?);
+        let mut textures = vec![upload_texture(gpu, &white(), false)?];
+        for (n, image) in scene.textures.iter().enumerate() {
+            let masks = scene
+                .materials
+                .iter()
+                .any(|m| m.alpha != AlphaMode::Opaque && m.base_color_texture == Some(n));
+            textures.push(upload_texture(gpu, image, masks)?);
         }
         let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap, filtered)).collect();
         let materials = scene.materials.iter().chain(&panels.materials);
@@ -296,7 +300,8 @@ fn white() -> Image {
     }
 }
 
-fn upload_texture(gpu: &Gpu, image: &Image) -> Result<Texture, GpuError> {
+/// `masks`: texels that are holes have no colour to mix in.
+fn upload_texture(gpu: &Gpu, image: &Image, masks: bool) -> Result<Texture, GpuError> {
     let format =
         if image.srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
     let size = [image.width, image.height];
@@ -312,28 +317,50 @@ fn upload_texture(gpu: &Gpu, image: &Image) -> Result<Texture, GpuError> {
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
             wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
         );
-        level = halved(&level.1, level.0, image.srgb);
+        level = halved(&level.1, level.0, image.srgb, masks);
     }
     Ok(texture)
 }
 
-/// The next mip level: means of 2 x 2 texels, taken in linear light.
-fn halved(pixels: &[u8], [width, height]: [u32; 2], srgb: bool) -> ([u32; 2], Vec<u8>) {
+/// The next mip level: means of 2 x 2 texels, taken in linear light; of colours, weighted by opacity if the texture masks.
+fn halved(pixels: &[u8], [width, height]: [u32; 2], srgb: bool, masks: bool) -> ([u32; 2], Vec<u8>) {
+    const CORNERS: [[u32; 2]; 4] = [[0, 0], [1, 0], [0, 1], [1, 1]];
     let half = [(width / 2).max(1), (height / 2).max(1)];
     let mut out = Vec::with_capacity((4 * half[0] * half[1]) as usize);
     for y in 0..half[1] {
         for x in 0..half[0] {
-            let texel = |dx: u32, dy: u32, c: usize| {
+            let texels = CORNERS.map(|[dx, dy]| {
                 let (x, y) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
-                let value = f32::from(pixels[(4 * (y * width + x)) as usize + c]) / 255.0;
-                if srgb && c < 3 { value.powf(2.2) } else { value }
-            };
+                let at = (4 * (y * width + x)) as usize;
+                let value = |c: usize| f32::from(pixels[at + c]) / 255.0;
+                let color = |c: usize| if srgb { value(c).powf(2.2) } else { value(c) };
+                [color(0), color(1), color(2), value(3)]
+            });
+            let opacity: f32 = texels.iter().map(|t| t[3]).sum();
             for c in 0..4 {
-                let mean = 0.25 * (texel(0, 0, c) + texel(1, 0, c) + texel(0, 1, c) + texel(1, 1, c));
+                let weight =
+                    |t: &[f32; 4]| if masks && c < 3 && opacity > 0.0 { t[3] / opacity } else { 0.25 };
+                let mean: f32 = texels.iter().map(|t| weight(t) * t[c]).sum();
                 let value = if srgb && c < 3 { mean.powf(1.0 / 2.2) } else { mean };
                 out.push((255.0 * value + 0.5) as u8);
             }
         }
     }
     (half, out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holes_lend_no_colour_to_what_is_around_them() {
+        let leaf_and_holes = [80, 160, 40, 255, 0, 0, 0, 0, 255, 0, 255, 0, 0, 0, 0, 0];
+        let (size, mixed) = halved(&leaf_and_holes, [2, 2], false, true);
+        assert_eq!((size, mixed.as_slice()), ([1, 1], [80, 160, 40, 64].as_slice()));
+        let (_, plain) = halved(&leaf_and_holes, [2, 2], false, false);
+        assert_eq!(plain, [84, 40, 74, 64]);
+        let (_, nothing) = halved(&[9, 9, 9, 0].repeat(4), [2, 2], true, true);
+        assert_eq!(nothing, [9, 9, 9, 0]);
+    }
 }
