@@ -6,6 +6,9 @@ struct WindowUniform {
     count: u32,
     // Only triangles that face this axis most; 3 for all.
     axis: u32,
+    // The layers of cells that it reaches.
+    first_layer: u32,
+    last_layer: u32,
 }
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;

@@ -46,12 +46,12 @@ fn lv_lines(corners_p: vec3f, corners_q: vec3f, edges_p: vec3f, edges_q: vec3f, 
 }
 
 fn lv_tests(t: LvTriangle) -> LvTests {
-    let x = vec3f(t.corners[0].x, t.corners[1].x, t.corners[2].x);
-    let y = vec3f(t.corners[0].y, t.corners[1].y, t.corners[2].y);
-    let z = vec3f(t.corners[0].z, t.corners[1].z, t.corners[2].z);
-    let ex = vec3f(t.edges[0].x, t.edges[1].x, t.edges[2].x);
-    let ey = vec3f(t.edges[0].y, t.edges[1].y, t.edges[2].y);
-    let ez = vec3f(t.edges[0].z, t.edges[1].z, t.edges[2].z);
+    let x = vec3f(t.a.x, t.b.x, t.c.x);
+    let y = vec3f(t.a.y, t.b.y, t.c.y);
+    let z = vec3f(t.a.z, t.b.z, t.c.z);
+    let ex = vec3f(t.ab.x, t.bc.x, t.ca.x);
+    let ey = vec3f(t.ab.y, t.bc.y, t.ca.y);
+    let ez = vec3f(t.ab.z, t.bc.z, t.ca.z);
     let n = abs(t.normal);
     let sum = n.x + n.y + n.z;
     var half = 0.5 * sum;
@@ -67,13 +67,14 @@ fn lv_tests(t: LvTriangle) -> LvTests {
 }
 
 fn lv_pass(lines: LvLines, p: f32, q: f32) -> bool {
-    return all(lines.a * p + lines.b * q + lines.c >= vec3f(0.0));
+    let inside = lines.a * p + lines.b * q + lines.c;
+    return min(inside.x, min(inside.y, inside.z)) >= 0.0;
 }
 
 // Height of the plane above the origin, over the centre of a column.
 fn lv_height(t: LvTriangle, column: vec2f) -> f32 {
-    let offset = column + 0.5 - t.corners[0].xy;
-    return t.corners[0].z - dot(t.normal.xy, offset) / t.normal.z;
+    let offset = column + 0.5 - t.a.xy;
+    return t.a.z - dot(t.normal.xy, offset) / t.normal.z;
 }
 
 // Whether the triangle marks a cell of those to ask.
@@ -86,27 +87,38 @@ fn lv_marks(t: LvTriangle, tests: LvTests, cell: vec3f) -> bool {
         let height = clamp(floor(lv_height(t, cell.xy)), f32(t.reach_low.z), f32(t.reach_high.z));
         return height == cell.z;
     }
-    let height = dot(t.normal, cell + 0.5 - t.corners[0]);
-    return abs(height) <= tests.half
-        && lv_pass(tests.xy, cell.x, cell.y)
-        && lv_pass(tests.yz, cell.y, cell.z)
-        && lv_pass(tests.zx, cell.z, cell.x);
+    // Without short cuts: a few multiplications take less than branches.
+    let height = dot(t.normal, cell + 0.5 - t.a);
+    let xy = tests.xy.a * cell.x + tests.xy.b * cell.y + tests.xy.c;
+    let yz = tests.yz.a * cell.y + tests.yz.b * cell.z + tests.yz.c;
+    let zx = tests.zx.a * cell.z + tests.zx.b * cell.x + tests.zx.c;
+    let least = min(xy, min(yz, zx));
+    return min(min(least.x, least.y), min(least.z, tests.half - abs(height))) >= 0.0;
 }
 
-// The cells of a column that may be marked: the first and the last.
+// The cells of a column that may be marked, the first and the last: at most eight, since the triangle rises by no more than a
+// cell from one column to the next.
 fn lv_column(t: LvTriangle, tests: LvTests, column: vec2f) -> vec2i {
-    let all = vec2i(0, t.extent.z - 1);
+    var height = 0.0;
+    var half = 2.5;
     if t.normal.z == 0.0 {
-        return all;
+        // A line, along its longest edge.
+        let squares = vec3f(dot(t.ab, t.ab), dot(t.bc, t.bc), dot(t.ca, t.ca));
+        let longest = lv_dominant(squares);
+        let edge = select(select(t.ca, t.bc, longest == 1u), t.ab, longest == 0u);
+        let corner = select(select(t.c, t.b, longest == 1u), t.a, longest == 0u);
+        let along = dot(column + 0.5 - corner.xy, edge.xy) / max(dot(edge.xy, edge.xy), 1e-30);
+        height = corner.z + along * edge.z;
+    } else {
+        height = lv_height(t, column);
+        // Wider by a hundredth: which of them count, the tests decide.
+        half = select(tests.half / abs(t.normal.z), 0.5, LV_COVERAGE == LV_SAMPLED) + 0.01;
     }
-    let middle = lv_height(t, column) - 0.5;
-    // Wider by a hundredth: which of them count, the tests decide.
-    let half = select(tests.half / abs(t.normal.z), 0.5, LV_COVERAGE == LV_SAMPLED) + 0.01;
-    let first = clamp(ceil(middle - half), -1.0, 4096.0);
-    let last = clamp(floor(middle + half), -1.0, 4096.0);
+    let first = clamp(ceil(height - 0.5 - half), -1.0, 4096.0);
+    let last = clamp(floor(height - 0.5 + half), -1.0, 4096.0);
     var between = vec2i(vec2f(first, last));
     if LV_COVERAGE == LV_SAMPLED {
         between = clamp(between, vec2i(t.reach_low.z), vec2i(t.reach_high.z));
     }
-    return vec2i(max(between.x, all.x), min(between.y, all.y));
+    return vec2i(max(between.x, 0), min(between.y, t.extent.z - 1));
 }

@@ -14,6 +14,10 @@ crate::gpu_struct! {
         pub count: u32,
         /// Only triangles that face this axis most; 3 for all.
         pub axis: u32,
+        /// The lowest layer of cells along z that the window reaches.
+        pub first_layer: u32,
+        /// The highest.
+        pub last_layer: u32,
     }
 }
 
@@ -53,7 +57,14 @@ impl Windows {
         let at_once = limit.checked_div(cell_bytes).map_or(cells, |fitting| fitting / 32 * 32).max(32);
         let windows = (0..cells.div_ceil(at_once)).map(|n| (n * at_once, at_once.min(cells - n * at_once)));
         let uniform = |first: u64, count: u64, axis: u32| {
-            let value = WindowUniform { first: first as u32, count: count as u32, axis };
+            let layer = u64::from(grid.dims.x) * u64::from(grid.dims.y);
+            let value = WindowUniform {
+                first: first as u32,
+                count: count as u32,
+                axis,
+                first_layer: (first / layer) as u32,
+                last_layer: ((first + count - 1) / layer) as u32,
+            };
             Uniform::new(gpu, "voxelize/window", &value)
         };
         Ok(Self {

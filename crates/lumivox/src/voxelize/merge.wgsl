@@ -4,6 +4,9 @@ struct WindowUniform {
     first: u32,
     count: u32,
     axis: u32,
+    // The layers of cells that it reaches.
+    first_layer: u32,
+    last_layer: u32,
 }
 
 @group(0) @binding(0) var<uniform> window: WindowUniform;

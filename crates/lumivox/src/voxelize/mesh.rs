@@ -270,6 +270,11 @@ impl Mesh {
         self.value.counts.y
     }
 
+    /// Whether it has neither textures nor holes.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.value.flags & HAS_TEXTURES == 0 && self.value.alpha_cutoff < 0.0
+    }
+
     /// The bind groups (group 1) and numbers of triangles of the batches that cover the mesh.
     pub(crate) fn batches(&self) -> impl Iterator<Item = (&wgpu::BindGroup, u32)> {
         let count = self.triangle_count();

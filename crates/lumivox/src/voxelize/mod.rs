@@ -69,7 +69,9 @@ pub(crate) fn texts() -> Vec<GeneratedText> {
         for coverage in [Coverage::Exact, Coverage::Thin, Coverage::Sampled] {
             for phase in [Phase::Sums, Phase::Nearest] {
                 let options = Options { coverage, shift: 0.0, ..Options::default() };
-                texts.extend(direct::texts(&layout, &options, phase, 8));
+                for is_plain in [false, true] {
+                    texts.extend(direct::texts(&layout, &options, phase, (16, is_plain)));
+                }
             }
         }
         texts.extend(

@@ -26,63 +26,127 @@ struct LvPiece {
     area: f32,
 }
 
-fn lv_axis(v: vec3f, axis: u32) -> f32 {
-    return select(select(v.z, v.y, axis == 1u), v.x, axis == 0u);
+fn lv_whole(t: LvTriangle) -> LvPiece {
+    return LvPiece((t.a + t.b + t.c) / 3.0, 0.5 * length(t.normal) * t.scale * t.scale);
 }
 
-fn lv_whole(t: LvTriangle) -> LvPiece {
-    let point = (t.corners[0] + t.corners[1] + t.corners[2]) / 3.0;
-    return LvPiece(point, 0.5 * length(t.normal) * t.scale * t.scale);
+// The point of an edge nearest to `point`.
+fn lv_nearest_on_edge(corner: vec3f, edge: vec3f, point: vec3f) -> vec3f {
+    let square = dot(edge, edge);
+    return corner + edge * select(0.0, clamp(dot(point - corner, edge) / square, 0.0, 1.0), square > 0.0);
 }
 
 // The point of the triangle's edges nearest to `point`, for triangles that are, but for rounding, edge alone.
 fn lv_nearest_on_edges(t: LvTriangle, point: vec3f) -> vec3f {
-    var nearest = t.corners[0];
-    var distance = 1e30;
-    for (var i = 0u; i < 3u; i++) {
-        let edge = t.edges[i] * t.scale;
-        let square = dot(edge, edge);
-        let along = select(0.0, clamp(dot(point - t.corners[i], edge) / square, 0.0, 1.0), square > 0.0);
-        let candidate = t.corners[i] + along * edge;
-        let away = dot(candidate - point, candidate - point);
-        if away < distance {
-            distance = away;
-            nearest = candidate;
-        }
-    }
-    return nearest;
+    let on_ab = lv_nearest_on_edge(t.a, t.ab * t.scale, point);
+    let on_bc = lv_nearest_on_edge(t.b, t.bc * t.scale, point);
+    let on_ca = lv_nearest_on_edge(t.c, t.ca * t.scale, point);
+    let nearer = select(on_ab, on_bc, distance(on_bc, point) < distance(on_ab, point));
+    return select(nearer, on_ca, distance(on_ca, point) < distance(nearer, point));
 }
 
-// A triangle cut at six planes has up to nine corners.
-var<private> lv_polygon: array<vec3f, 10>;
-var<private> lv_polygon_size: u32;
+// A polygon as its directed sides: cutting shortens some, and adds the one between where they were cut. So it stays closed
+// whatever rounding does, and needs no list.
+struct LvSide {
+    start: vec3f,
+    end: vec3f,
+}
 
-// Keeps what lies at `sign * (x[axis] - at) >= 0`.
-fn lv_clip(axis: u32, at: f32, sign: f32) {
-    let count = lv_polygon_size;
-    if count == 0u {
-        return;
+// Keeps what lies where the distances from a plane, of the side's start and end, are not negative; notes in `closing` where
+// it was cut.
+fn lv_cut(side: ptr<function, LvSide>, closing: ptr<function, LvSide>, d0: f32, d1: f32) {
+    let starts_inside = d0 >= 0.0;
+    let ends_inside = d1 >= 0.0;
+    let along = select(0.0, d0 / (d0 - d1), starts_inside != ends_inside);
+    let at = (*side).start + along * ((*side).end - (*side).start);
+    (*closing).start = select((*closing).start, at, starts_inside && !ends_inside);
+    (*closing).end = select((*closing).end, at, !starts_inside && ends_inside);
+    // What is outside altogether becomes a point.
+    (*side).end = select(at, (*side).end, ends_inside);
+    (*side).start = select(at, (*side).start, starts_inside);
+}
+
+// The area and the middle of the part in a cell of a triangle that reaches beyond it.
+fn lv_clipped(t: LvTriangle, low: vec3f) -> LvPiece {
+    var s0 = LvSide(t.a, t.b);
+    var s1 = LvSide(t.b, t.c);
+    var s2 = LvSide(t.c, t.a);
+    // Sides along the cell's faces: points, while they are none.
+    var s3 = LvSide(t.a, t.a);
+    var s4 = s3;
+    var s5 = s3;
+    var s6 = s3;
+    var s7 = s3;
+    var s8 = s3;
+    let high = low + 1.0;
+    let below = vec3f(t.reach_low) < low;
+    let above = vec3f(t.reach_high) > low;
+    if below.x {
+        lv_cut(&s0, &s3, s0.start.x - low.x, s0.end.x - low.x);
+        lv_cut(&s1, &s3, s1.start.x - low.x, s1.end.x - low.x);
+        lv_cut(&s2, &s3, s2.start.x - low.x, s2.end.x - low.x);
     }
-    var kept: array<vec3f, 10>;
-    var size = 0u;
-    var before = lv_polygon[count - 1u];
-    var d0 = sign * (lv_axis(before, axis) - at);
-    for (var i = 0u; i < count; i++) {
-        let corner = lv_polygon[i];
-        let d1 = sign * (lv_axis(corner, axis) - at);
-        if (d0 > 0.0 && d1 < 0.0) || (d0 < 0.0 && d1 > 0.0) {
-            kept[min(size, 9u)] = before + (corner - before) * (d0 / (d0 - d1));
-            size++;
-        }
-        if d1 >= 0.0 {
-            kept[min(size, 9u)] = corner;
-            size++;
-        }
-        before = corner;
-        d0 = d1;
+    if above.x {
+        lv_cut(&s0, &s4, high.x - s0.start.x, high.x - s0.end.x);
+        lv_cut(&s1, &s4, high.x - s1.start.x, high.x - s1.end.x);
+        lv_cut(&s2, &s4, high.x - s2.start.x, high.x - s2.end.x);
+        lv_cut(&s3, &s4, high.x - s3.start.x, high.x - s3.end.x);
     }
-    lv_polygon_size = min(size, 10u);
-    lv_polygon = kept;
+    if below.y {
+        lv_cut(&s0, &s5, s0.start.y - low.y, s0.end.y - low.y);
+        lv_cut(&s1, &s5, s1.start.y - low.y, s1.end.y - low.y);
+        lv_cut(&s2, &s5, s2.start.y - low.y, s2.end.y - low.y);
+        lv_cut(&s3, &s5, s3.start.y - low.y, s3.end.y - low.y);
+        lv_cut(&s4, &s5, s4.start.y - low.y, s4.end.y - low.y);
+    }
+    if above.y {
+        lv_cut(&s0, &s6, high.y - s0.start.y, high.y - s0.end.y);
+        lv_cut(&s1, &s6, high.y - s1.start.y, high.y - s1.end.y);
+        lv_cut(&s2, &s6, high.y - s2.start.y, high.y - s2.end.y);
+        lv_cut(&s3, &s6, high.y - s3.start.y, high.y - s3.end.y);
+        lv_cut(&s4, &s6, high.y - s4.start.y, high.y - s4.end.y);
+        lv_cut(&s5, &s6, high.y - s5.start.y, high.y - s5.end.y);
+    }
+    if below.z {
+        lv_cut(&s0, &s7, s0.start.z - low.z, s0.end.z - low.z);
+        lv_cut(&s1, &s7, s1.start.z - low.z, s1.end.z - low.z);
+        lv_cut(&s2, &s7, s2.start.z - low.z, s2.end.z - low.z);
+        lv_cut(&s3, &s7, s3.start.z - low.z, s3.end.z - low.z);
+        lv_cut(&s4, &s7, s4.start.z - low.z, s4.end.z - low.z);
+        lv_cut(&s5, &s7, s5.start.z - low.z, s5.end.z - low.z);
+        lv_cut(&s6, &s7, s6.start.z - low.z, s6.end.z - low.z);
+    }
+    if above.z {
+        lv_cut(&s0, &s8, high.z - s0.start.z, high.z - s0.end.z);
+        lv_cut(&s1, &s8, high.z - s1.start.z, high.z - s1.end.z);
+        lv_cut(&s2, &s8, high.z - s2.start.z, high.z - s2.end.z);
+        lv_cut(&s3, &s8, high.z - s3.start.z, high.z - s3.end.z);
+        lv_cut(&s4, &s8, high.z - s4.start.z, high.z - s4.end.z);
+        lv_cut(&s5, &s8, high.z - s5.start.z, high.z - s5.end.z);
+        lv_cut(&s6, &s8, high.z - s6.start.z, high.z - s6.end.z);
+        lv_cut(&s7, &s8, high.z - s7.start.z, high.z - s7.end.z);
+    }
+    // Triangles between a point of the plane and the sides. The point is near the piece: of small triangles their
+    // middle, of others the foot of the cell's centre.
+    let normal = normalize(t.normal);
+    let center = low + 0.5;
+    let foot = center + normal * dot(normal, t.a - center);
+    let origin = select(foot, (t.a + t.b + t.c) / 3.0, t.scale < 1.0);
+    let sum = lv_wedge(s0, origin, normal) + lv_wedge(s1, origin, normal) + lv_wedge(s2, origin, normal)
+        + lv_wedge(s3, origin, normal) + lv_wedge(s4, origin, normal) + lv_wedge(s5, origin, normal)
+        + lv_wedge(s6, origin, normal) + lv_wedge(s7, origin, normal) + lv_wedge(s8, origin, normal);
+    if sum.w <= 0.0 {
+        return LvPiece(lv_nearest_on_edges(t, center), 0.0);
+    }
+    return LvPiece(clamp(origin + sum.xyz / (3.0 * sum.w), low, high), 0.5 * sum.w);
+}
+
+// Twice the area between a point and a side, in w, and that times the sum of the side's ends from there.
+fn lv_wedge(side: LvSide, origin: vec3f, normal: vec3f) -> vec4f {
+    let a = side.start - origin;
+    let b = side.end - origin;
+    let area = dot(cross(a, b), normal);
+    return vec4f((a + b) * area, area);
 }
 
 // The part of the triangle in a cell that it marks. Where it only touches the cell, or has no area: no area, and the
@@ -97,47 +161,18 @@ fn lv_piece(t: LvTriangle, cell: vec3i) -> LvPiece {
     if all(t.reach_low == t.reach_high) {
         return lv_whole(t);
     }
-    for (var i = 0u; i < 3u; i++) {
-        lv_polygon[i] = t.corners[i];
+    if all(t.normal == vec3f(0.0)) {
+        return LvPiece(lv_nearest_on_edges(t, low + 0.5), 0.0);
     }
-    lv_polygon_size = 3u;
-    let cut_low = vec3f(t.reach_low) < low;
-    let cut_high = vec3f(t.reach_high) > low;
-    for (var axis = 0u; axis < 3u; axis++) {
-        if select(select(cut_low.z, cut_low.y, axis == 1u), cut_low.x, axis == 0u) {
-            lv_clip(axis, lv_axis(low, axis), 1.0);
-        }
-        if select(select(cut_high.z, cut_high.y, axis == 1u), cut_high.x, axis == 0u) {
-            lv_clip(axis, lv_axis(low, axis) + 1.0, -1.0);
-        }
-    }
-    let center = low + 0.5;
-    var normal = vec3f(0.0);
-    var moment = vec3f(0.0);
-    let first = lv_polygon[0];
-    for (var i = 2u; i < lv_polygon_size; i++) {
-        let b = lv_polygon[i - 1u] - first;
-        let c = lv_polygon[i] - first;
-        let part = cross(b, c);
-        // All parts of a convex polygon turn the same way, so that a sum of absolutes is the length along the normal.
-        let weight = abs(part.x) + abs(part.y) + abs(part.z);
-        normal += part;
-        moment += weight * (b + c);
-    }
-    let weight = abs(normal.x) + abs(normal.y) + abs(normal.z);
-    if weight == 0.0 {
-        return LvPiece(lv_nearest_on_edges(t, center), 0.0);
-    }
-    let point = first + moment / (3.0 * weight);
-    return LvPiece(clamp(point, low, low + 1.0), 0.5 * length(normal));
+    return lv_clipped(t, low);
 }
 
 // Weights of the corners at a point of the triangle, none negative, sum one.
 fn lv_barycentric(t: LvTriangle, point: vec3f) -> vec3f {
     let inverse = 1.0 / max(t.scale, 1e-30);
-    let a = (t.corners[0] - point) * inverse;
-    let b = (t.corners[1] - point) * inverse;
-    let c = (t.corners[2] - point) * inverse;
+    let a = (t.a - point) * inverse;
+    let b = (t.b - point) * inverse;
+    let c = (t.c - point) * inverse;
     let weights = max(
         vec3f(dot(cross(b, c), t.normal), dot(cross(c, a), t.normal), dot(cross(a, b), t.normal)),
         vec3f(0.0),
@@ -147,17 +182,16 @@ fn lv_barycentric(t: LvTriangle, point: vec3f) -> vec3f {
         return weights / sum;
     }
     // A line: between the ends of its longest edge.
-    let squares = vec3f(dot(t.edges[0], t.edges[0]), dot(t.edges[1], t.edges[1]), dot(t.edges[2], t.edges[2]));
-    let longest = lv_dominant(squares);
-    if squares[longest] == 0.0 {
+    let squares = vec3f(dot(t.ab, t.ab), dot(t.bc, t.bc), dot(t.ca, t.ca));
+    let along = clamp(-vec3f(dot(a, t.ab), dot(b, t.bc), dot(c, t.ca)) / max(squares, vec3f(1e-30)), vec3f(0.0), vec3f(1.0));
+    if all(squares == vec3f(0.0)) {
         return vec3f(1.0 / 3.0);
     }
-    let along_edge = (point - t.corners[longest]) * inverse;
-    let along = clamp(dot(along_edge, t.edges[longest]) / squares[longest], 0.0, 1.0);
-    var on_line = vec3f(0.0);
-    on_line[longest] = 1.0 - along;
-    on_line[(longest + 1u) % 3u] = along;
-    return on_line;
+    let longest = lv_dominant(squares);
+    let on_ab = vec3f(1.0 - along.x, along.x, 0.0);
+    let on_bc = vec3f(0.0, 1.0 - along.y, along.y);
+    let on_ca = vec3f(along.z, 0.0, 1.0 - along.z);
+    return select(select(on_ca, on_bc, longest == 1u), on_ab, longest == 0u);
 }
 
 // Unit length; zero for what has no direction. Largest component first: squares of tiny vectors underflow.
@@ -197,7 +231,7 @@ fn lv_surface_point(t: LvTriangle, piece: LvPiece, cell: u32) -> SurfacePoint {
         let b = lv_uv(t.vertices.y);
         let c = lv_uv(t.vertices.z);
         s.uv = weights.x * a + weights.y * b + weights.z * c;
-        if lv_mesh_has(MESH_HAS_TEXTURES) {
+        if !LV_IS_PLAIN && lv_mesh_has(MESH_HAS_TEXTURES) {
             let uv_area = 0.5 * abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
             let share = piece.area / max(lv_whole(t).area, 1e-20);
             let base_level = lv_level(vec2f(textureDimensions(base_color_texture)), uv_area * share);
@@ -224,13 +258,13 @@ fn lv_fragment(t: LvTriangle, local: vec3i) {
     if cell < window.first || cell - window.first >= window.count {
         return;
     }
-    if LV_IS_BARE && mesh.alpha_cutoff < 0.0 {
+    if LV_IS_BARE && LV_IS_PLAIN {
         lv_occupy(cell);
         return;
     }
     let piece = lv_piece(t, local);
     let s = lv_surface_point(t, piece, cell);
-    if s.color.a < mesh.alpha_cutoff {
+    if !LV_IS_PLAIN && s.color.a < mesh.alpha_cutoff {
         return;
     }
     lv_occupy(cell);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::channel::{Channel, Rule, Source, SurfaceFunction};
 use super::mesh;
-use super::method::Coverage;
+use super::method::Options;
 use crate::gpu::{GeneratedText, Gpu, GpuError, bind_group_layouts};
 use crate::volume::Format;
 use crate::wgsl::{GRID, PACK, SH};
@@ -284,13 +284,17 @@ fn resolve_channel(channel: &Channel, offset: u32, name: &str) -> String {
 
 /// What methods have in common: groups 0 to 2, `lv_load_triangle`, `lv_tests`, `lv_marks`, `lv_piece`, `lv_surface_point`,
 /// `lv_fragment`, `lv_accumulate`. A method's own text follows, with its own bindings in group 3.
-pub(crate) fn method_text(layout: &Layout, coverage: Coverage, shift: f32, phase: Phase) -> String {
+///
+/// A `is_plain` text is for meshes without textures and masks alone: drivers that take both sides of every branch are spared
+/// looking textures up.
+pub(crate) fn method_text(layout: &Layout, options: &Options, phase: Phase, is_plain: bool) -> String {
     let mut head = String::new();
     for (name, value) in mesh::FLAGS {
         let _ = writeln!(head, "const {name}: u32 = {value}u;");
     }
-    let _ = writeln!(head, "const LV_COVERAGE: u32 = {}u;", coverage as u32);
-    let _ = writeln!(head, "const LV_SHIFT: f32 = {shift:?};");
+    let _ = writeln!(head, "const LV_COVERAGE: u32 = {}u;", options.coverage as u32);
+    let _ = writeln!(head, "const LV_SHIFT: f32 = {:?};", options.shift);
+    let _ = writeln!(head, "const LV_IS_PLAIN: bool = {is_plain};");
     let _ = writeln!(head, "const LV_IS_BARE: bool = {};", layout.channels.is_empty());
     let accumulate = layout.accumulate(phase);
     [GRID, SH, &head, ACCUMULATORS, MESH, TRIANGLE, COVERAGE, SURFACE, &accumulate].join("\n")

@@ -6,9 +6,14 @@ const LV_RIM: f32 = 1e-4;
 
 struct LvTriangle {
     // Corners in cells from the corner of cell `origin`, axes turned so that the triangle faces z most.
-    corners: array<vec3f, 3>,
-    // Their edges, 0 to 1, 1 to 2, 2 to 0, over `scale`, so that none is longer than about 1.
-    edges: array<vec3f, 3>,
+    // (No arrays: software drivers keep what is indexed in memory and not in registers.)
+    a: vec3f,
+    b: vec3f,
+    c: vec3f,
+    // Edges from a to b, b to c, c to a, over `scale`, so that none is longer than about 1.
+    ab: vec3f,
+    bc: vec3f,
+    ca: vec3f,
     scale: f32,
     // Square to the edges; over `scale` squared it is twice the area long. Zero where the corners lie on a line.
     normal: vec3f,
@@ -75,16 +80,16 @@ fn lv_dominant(v: vec3f) -> u32 {
 
 // From the two shortest edges, between which rounding turns it least, and square to the longest: what is left is the
 // normal of a triangle turned about that edge by no more than rounding moves its corners.
-fn lv_normal(e: array<vec3f, 3>) -> vec3f {
-    let squares = vec3f(dot(e[0], e[0]), dot(e[1], e[1]), dot(e[2], e[2]));
-    var longest = e[0];
-    var normal = cross(e[1], e[2]);
+fn lv_normal(ab: vec3f, bc: vec3f, ca: vec3f) -> vec3f {
+    let squares = vec3f(dot(ab, ab), dot(bc, bc), dot(ca, ca));
+    var longest = ab;
+    var normal = cross(bc, ca);
     if squares.y > squares.x && squares.y >= squares.z {
-        longest = e[1];
-        normal = cross(e[2], e[0]);
+        longest = bc;
+        normal = cross(ca, ab);
     } else if squares.z > squares.x {
-        longest = e[2];
-        normal = cross(e[0], e[1]);
+        longest = ca;
+        normal = cross(ab, bc);
     }
     let square = max(squares.x, max(squares.y, squares.z));
     return normal - longest * (dot(normal, longest) / max(square, 1e-30));
@@ -107,8 +112,10 @@ fn lv_load_triangle(number: u32) -> LvTriangle {
     let longest = max(max(abs(b - a), abs(c - b)), abs(a - c));
     t.scale = max(longest.x, max(longest.y, longest.z));
     let inverse = 1.0 / max(t.scale, 1e-30);
-    t.edges = array<vec3f, 3>((b - a) * inverse, (c - b) * inverse, (a - c) * inverse);
-    t.normal = lv_normal(t.edges);
+    let ab = (b - a) * inverse;
+    let bc = (c - b) * inverse;
+    let ca = (a - c) * inverse;
+    t.normal = lv_normal(ab, bc, ca);
     if LV_SHIFT != 0.0 {
         let outwards = lv_shift(t);
         a -= outwards;
@@ -123,10 +130,8 @@ fn lv_load_triangle(number: u32) -> LvTriangle {
     let reach_high = max(cells_a, max(cells_b, cells_c));
     var low = max(reach_low, vec3i(0));
     var high = min(reach_high, vec3i(grid.dims) - 1);
-    // Layers of the window.
-    let layer = grid.dims.x * grid.dims.y;
-    low.z = max(low.z, i32(window.first / layer));
-    high.z = min(high.z, i32((window.first + window.count - 1u) / layer));
+    low.z = max(low.z, i32(window.first_layer));
+    high.z = min(high.z, i32(window.last_layer));
     if any(high < low) {
         return t;
     }
@@ -145,14 +150,12 @@ fn lv_load_triangle(number: u32) -> LvTriangle {
     t.reach_high = lv_turned_i(reach_high, t.facing) - t.origin;
     t.normal = lv_turned(t.normal, t.facing);
     let corner = vec3f(low);
-    t.corners = array<vec3f, 3>(
-        lv_turned(a - corner, t.facing),
-        lv_turned(b - corner, t.facing),
-        lv_turned(c - corner, t.facing),
-    );
-    for (var i = 0u; i < 3u; i++) {
-        t.edges[i] = lv_turned(t.edges[i], t.facing);
-    }
+    t.a = lv_turned(a - corner, t.facing);
+    t.b = lv_turned(b - corner, t.facing);
+    t.c = lv_turned(c - corner, t.facing);
+    t.ab = lv_turned(ab, t.facing);
+    t.bc = lv_turned(bc, t.facing);
+    t.ca = lv_turned(ca, t.facing);
     return t;
 }
 

@@ -20,34 +20,48 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         atomicStore(&work[LV_WORK_HEAD + LV_BATCH + slot], tiles.x * tiles.y);
         return;
     }
-    // Where the tests are closed, one cell alone is touched for sure.
-    if LV_COVERAGE == LV_EXACT && largest == 1 && all(t.reach_low == t.reach_high) {
-        lv_fragment(t, vec3i(0));
-        return;
-    }
-    let tests = lv_tests(t);
-    var marked = vec2u(0u);
-    var cell = vec3i(0);
-    let count = u32(t.extent.x * t.extent.y * t.extent.z);
-    for (var n = 0u; n < count; n++) {
-        if lv_marks(t, tests, vec3f(cell)) {
-            marked[n / 32u] |= 1u << (n % 32u);
-        }
-        cell.x++;
-        if cell.x == t.extent.x {
-            cell.x = 0;
-            cell.y++;
-            if cell.y == t.extent.y {
-                cell.y = 0;
-                cell.z++;
+    var low_half = 0u;
+    var high_half = 0u;
+    if LV_COVERAGE == LV_EXACT && all(t.reach_low == t.reach_high) {
+        // Where the tests are closed, one cell alone is touched for sure.
+        low_half = 1u;
+    } else {
+        let tests = lv_tests(t);
+        let last = vec3f(t.extent - 1);
+        var cell = vec3f(0.0);
+        let count = u32(t.extent.x * t.extent.y * t.extent.z);
+        var n = 0u;
+        loop {
+            let bit = select(0u, 1u << (n & 31u), lv_marks(t, tests, cell));
+            low_half |= select(bit, 0u, n >= 32u);
+            high_half |= select(0u, bit, n >= 32u);
+            let next_row = cell.x == last.x;
+            let next_layer = next_row && cell.y == last.y;
+            cell.x = select(cell.x + 1.0, 0.0, next_row);
+            cell.y = select(select(cell.y, cell.y + 1.0, next_row), 0.0, next_layer);
+            cell.z = select(cell.z, cell.z + 1.0, next_layer);
+            n++;
+            // Loops that end at their foot: software drivers go once through what is skipped at the head.
+            continuing {
+                break if n >= count;
             }
         }
     }
-    while any(marked != vec2u(0u)) {
-        let half = select(0u, 1u, marked.x == 0u);
-        let n = i32(firstTrailingBit(marked[half]) + 32u * half);
-        marked[half] &= marked[half] - 1u;
-        let row = n / t.extent.x;
-        lv_fragment(t, vec3i(n % t.extent.x, row % t.extent.y, row / t.extent.y));
+    if (low_half | high_half) == 0u {
+        return;
+    }
+    loop {
+        let in_low = low_half != 0u;
+        let n = select(32u + firstTrailingBit(high_half), firstTrailingBit(low_half), in_low);
+        high_half = select(high_half & (high_half - 1u), high_half, in_low);
+        low_half = select(low_half, low_half & (low_half - 1u), in_low);
+        // In floats, which know these quotients: integers are divided one lane after another by software drivers.
+        let size = vec3f(t.extent);
+        let row = floor((f32(n) + 0.5) / size.x);
+        let layer = floor((row + 0.5) / size.y);
+        lv_fragment(t, vec3i(vec3f(f32(n) - row * size.x, row - layer * size.y, layer)));
+        continuing {
+            break if (low_half | high_half) == 0u;
+        }
     }
 }

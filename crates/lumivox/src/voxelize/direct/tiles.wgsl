@@ -29,20 +29,45 @@ fn main(
         return;
     }
     let tests = lv_tests(t);
-    let nth = tile - work[first_tiles + low];
-    let tiles_x = (u32(t.extent.x) + LV_TILE - 1u) / LV_TILE;
-    let corner = vec2i(LV_TILE * vec2u(nth % tiles_x, nth / tiles_x));
-    for (var n = thread; n < LV_TILE * LV_TILE; n += 64u) {
-        let column = corner + vec2i(vec2u(n % LV_TILE, n / LV_TILE));
-        if any(column >= t.extent.xy) || !lv_pass(tests.xy, f32(column.x), f32(column.y)) {
+    let nth = f32(tile - work[first_tiles + low]);
+    let tiles_x = f32((u32(t.extent.x) + LV_TILE - 1u) / LV_TILE);
+    let row = floor((nth + 0.5) / tiles_x);
+    let corner = i32(LV_TILE) * vec2i(vec2f(nth - row * tiles_x, row));
+    // Four columns at a time, eight cells of each: first all tests, then the surfaces of what is marked.
+    for (var step = 0u; step < LV_TILE * LV_TILE; step += 256u) {
+        var marked = 0u;
+        for (var i = 0u; i < 4u; i++) {
+            let column = corner + column_of(step + 64u * i + thread);
+            let between = lv_column(t, tests, vec2f(column));
+            if any(column >= t.extent.xy) || between.x > between.y {
+                continue;
+            }
+            var k = between.x;
+            loop {
+                let bit = 1u << (8u * i + u32(min(k - between.x, 7)));
+                marked |= select(0u, bit, lv_marks(t, tests, vec3f(vec3i(column, k))));
+                k++;
+                continuing {
+                    break if k > between.y;
+                }
+            }
+        }
+        if marked == 0u {
             continue;
         }
-        let between = lv_column(t, tests, vec2f(column));
-        for (var k = between.x; k <= between.y; k++) {
-            let cell = vec3i(column, k);
-            if lv_marks(t, tests, vec3f(cell)) {
-                lv_fragment(t, cell);
+        loop {
+            let bit = firstTrailingBit(marked);
+            marked &= marked - 1u;
+            let column = corner + column_of(step + 64u * (bit / 8u) + thread);
+            let between = lv_column(t, tests, vec2f(column));
+            lv_fragment(t, vec3i(column, between.x + i32(bit % 8u)));
+            continuing {
+                break if marked == 0u;
             }
         }
     }
+}
+
+fn column_of(n: u32) -> vec2i {
+    return vec2i(vec2u(n % LV_TILE, n / LV_TILE));
 }
