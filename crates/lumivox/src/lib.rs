@@ -86,5 +86,6 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),
         entry::<gather::GatherUniform>(),
+        entry::<voxelize::VoxelLight>(),
     ]
 }

@@ -120,5 +120,5 @@ fn lv_column(t: LvTriangle, tests: LvTests, column: vec2f) -> vec2i {
     if LV_COVERAGE == LV_SAMPLED {
         between = clamp(between, vec2i(t.reach_low.z), vec2i(t.reach_high.z));
     }
-    return vec2i(max(between.x, 0), min(between.y, t.extent.z - 1));
+    return vec2i(max(between.x, t.ask.z), min(between.y, t.ask.z + t.extent.z - 1));
 }

@@ -41,7 +41,8 @@ pub struct Options {
     /// Which cells a triangle marks; methods that know only one take that.
     pub coverage: Coverage,
     /// By how many cells surfaces are moved against their visible side first, so that one on a cell boundary belongs to the
-    /// cell behind it: zero, or [`SURFACE_SHIFT`](crate::progressive::SURFACE_SHIFT) for volumes that views keep up too.
+    /// cell behind it; pieces of less than a ten-thousandth of a cell face then do not count, unless the whole triangle is
+    /// as small. Zero, or [`SURFACE_SHIFT`](crate::progressive::SURFACE_SHIFT) for volumes that views keep up too.
     pub shift: f32,
 }
 

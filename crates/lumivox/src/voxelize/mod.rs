@@ -33,6 +33,7 @@ pub mod direct;
 mod channel;
 mod error;
 mod layer;
+mod lights;
 mod mesh;
 mod method;
 mod text;
@@ -44,6 +45,7 @@ use crate::volume::Format;
 pub use channel::{Channel, Rule, SurfaceFunction};
 pub use error::VoxelizeError;
 pub use layer::{Layer, WindowUniform};
+pub use lights::{LightChannels, MAX_VOXEL_LIGHTS, VoxelLight, VoxelLights};
 pub use mesh::{
     BATCH_TRIANGLES, BatchUniform, IndexView, Material, Mesh, MeshDescriptor, MeshUniform, VertexView,
 };
@@ -63,8 +65,9 @@ pub(crate) fn texts() -> Vec<GeneratedText> {
         Channel::albedo().format(Format::U8).rule(Rule::Maximum).named("largest"),
         Channel::emission().format(Format::F16).rule(Rule::Sum).named("sum"),
     ];
+    let light = [lights::any_channel()];
     let mut texts = Vec::new();
-    for channels in [&[], plain.as_slice(), mixed.as_slice()] {
+    for channels in [&[], plain.as_slice(), mixed.as_slice(), light.as_slice()] {
         let layout = Layout::new(channels);
         for coverage in [Coverage::Exact, Coverage::Thin, Coverage::Sampled] {
             for phase in [Phase::Sums, Phase::Nearest] {

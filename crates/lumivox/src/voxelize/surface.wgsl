@@ -126,19 +126,27 @@ fn lv_clipped(t: LvTriangle, low: vec3f) -> LvPiece {
         lv_cut(&s6, &s8, high.z - s6.start.z, high.z - s6.end.z);
         lv_cut(&s7, &s8, high.z - s7.start.z, high.z - s7.end.z);
     }
-    // Triangles between a point of the plane and the sides. The point is near the piece: of small triangles their
-    // middle, of others the foot of the cell's centre.
-    let normal = normalize(t.normal);
-    let center = low + 0.5;
-    let foot = center + normal * dot(normal, t.a - center);
-    let origin = select(foot, (t.a + t.b + t.c) / 3.0, t.scale < 1.0);
-    let sum = lv_wedge(s0, origin, normal) + lv_wedge(s1, origin, normal) + lv_wedge(s2, origin, normal)
-        + lv_wedge(s3, origin, normal) + lv_wedge(s4, origin, normal) + lv_wedge(s5, origin, normal)
-        + lv_wedge(s6, origin, normal) + lv_wedge(s7, origin, normal) + lv_wedge(s8, origin, normal);
-    if sum.w <= 0.0 {
-        return LvPiece(lv_nearest_on_edges(t, center), 0.0);
+    // Triangles between the middle of the rim, which is near however small the piece, and the sides.
+    let rim = lv_rim(s0) + lv_rim(s1) + lv_rim(s2) + lv_rim(s3) + lv_rim(s4) + lv_rim(s5) + lv_rim(s6) + lv_rim(s7)
+        + lv_rim(s8);
+    if rim.w <= 0.0 {
+        return LvPiece(lv_nearest_on_edges(t, low + 0.5), 0.0);
     }
-    return LvPiece(clamp(origin + sum.xyz / (3.0 * sum.w), low, high), 0.5 * sum.w);
+    let middle = rim.xyz / rim.w;
+    let normal = normalize(t.normal);
+    let sum = lv_wedge(s0, middle, normal) + lv_wedge(s1, middle, normal) + lv_wedge(s2, middle, normal)
+        + lv_wedge(s3, middle, normal) + lv_wedge(s4, middle, normal) + lv_wedge(s5, middle, normal)
+        + lv_wedge(s6, middle, normal) + lv_wedge(s7, middle, normal) + lv_wedge(s8, middle, normal);
+    let area = max(sum.w, 0.0);
+    let point = middle + select(vec3f(0.0), sum.xyz / (3.0 * area), area > 0.0);
+    return LvPiece(clamp(point, low, high), 0.5 * area);
+}
+
+// The length of a side, as steps along the axes, in w, and that times its middle.
+fn lv_rim(side: LvSide) -> vec4f {
+    let along = abs(side.end - side.start);
+    let length = along.x + along.y + along.z;
+    return vec4f(0.5 * length * (side.start + side.end), length);
 }
 
 // Twice the area between a point and a side, in w, and that times the sum of the side's ends from there.
@@ -252,17 +260,24 @@ fn lv_level(size: vec2f, uv_area: f32) -> f32 {
     return max(0.5 * log2(max(uv_area * size.x * size.y, 1e-20)), 0.0);
 }
 
+// Where surfaces are moved, pieces smaller than this, in cell faces, of larger triangles do not count: a face that ends on a
+// cell boundary would else mark the cells beyond it, in front of its neighbours.
+const LV_TOUCH: f32 = 1e-4;
+
 // Group 0's side of a method: what a marked cell takes from a triangle.
 fn lv_fragment(t: LvTriangle, local: vec3i) {
     let cell = cell_index(grid, vec3u(lv_turned_back_i(local + t.origin, t.facing)));
     if cell < window.first || cell - window.first >= window.count {
         return;
     }
-    if LV_IS_BARE && LV_IS_PLAIN {
+    if LV_IS_BARE && LV_IS_PLAIN && LV_SHIFT == 0.0 {
         lv_occupy(cell);
         return;
     }
     let piece = lv_piece(t, local);
+    if LV_SHIFT != 0.0 && piece.area < LV_TOUCH && piece.area < 1e-3 * lv_whole(t).area {
+        return;
+    }
     let s = lv_surface_point(t, piece, cell);
     if !LV_IS_PLAIN && s.color.a < mesh.alpha_cutoff {
         return;

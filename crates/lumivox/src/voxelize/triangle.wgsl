@@ -17,12 +17,14 @@ struct LvTriangle {
     scale: f32,
     // Square to the edges; over `scale` squared it is twice the area long. Zero where the corners lie on a line.
     normal: vec3f,
-    // Cells to ask, from `origin` on: those that the triangle reaches, on the grid and in the window.
+    // The first cell to ask, from `origin` on, and how many along each axis: those that the triangle reaches, on the grid and
+    // in the window.
+    ask: vec3i,
     extent: vec3i,
     // Cells that it reaches at all, from `origin` on.
     reach_low: vec3i,
     reach_high: vec3i,
-    // The lowest cell to ask, axes turned.
+    // The lowest cell of the grid that it reaches, axes turned; it does not depend on the window.
     origin: vec3i,
     // The axis that became z.
     facing: u32,
@@ -128,11 +130,12 @@ fn lv_load_triangle(number: u32) -> LvTriangle {
     let cells_c = lv_cell_of(c);
     let reach_low = min(cells_a, min(cells_b, cells_c));
     let reach_high = max(cells_a, max(cells_b, cells_c));
-    var low = max(reach_low, vec3i(0));
+    let low = max(reach_low, vec3i(0));
     var high = min(reach_high, vec3i(grid.dims) - 1);
-    low.z = max(low.z, i32(window.first_layer));
+    var ask = low;
+    ask.z = max(ask.z, i32(window.first_layer));
     high.z = min(high.z, i32(window.last_layer));
-    if any(high < low) {
+    if any(high < ask) {
         return t;
     }
     t.facing = lv_dominant(t.normal);
@@ -145,7 +148,8 @@ fn lv_load_triangle(number: u32) -> LvTriangle {
     }
     t.exists = true;
     t.origin = lv_turned_i(low, t.facing);
-    t.extent = lv_turned_i(high, t.facing) - t.origin + 1;
+    t.ask = lv_turned_i(ask - low, t.facing);
+    t.extent = lv_turned_i(high - ask + 1, t.facing);
     t.reach_low = lv_turned_i(reach_low, t.facing) - t.origin;
     t.reach_high = lv_turned_i(reach_high, t.facing) - t.origin;
     t.normal = lv_turned(t.normal, t.facing);

@@ -27,8 +27,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         low_half = 1u;
     } else {
         let tests = lv_tests(t);
-        let last = vec3f(t.extent - 1);
-        var cell = vec3f(0.0);
+        let first = vec3f(t.ask);
+        let last = vec3f(t.ask + t.extent - 1);
+        var cell = first;
         let count = u32(t.extent.x * t.extent.y * t.extent.z);
         var n = 0u;
         loop {
@@ -37,8 +38,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
             high_half |= select(0u, bit, n >= 32u);
             let next_row = cell.x == last.x;
             let next_layer = next_row && cell.y == last.y;
-            cell.x = select(cell.x + 1.0, 0.0, next_row);
-            cell.y = select(select(cell.y, cell.y + 1.0, next_row), 0.0, next_layer);
+            cell.x = select(cell.x + 1.0, first.x, next_row);
+            cell.y = select(select(cell.y, cell.y + 1.0, next_row), first.y, next_layer);
             cell.z = select(cell.z, cell.z + 1.0, next_layer);
             n++;
             // Loops that end at their foot: software drivers go once through what is skipped at the head.
@@ -59,7 +60,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         let size = vec3f(t.extent);
         let row = floor((f32(n) + 0.5) / size.x);
         let layer = floor((row + 0.5) / size.y);
-        lv_fragment(t, vec3i(vec3f(f32(n) - row * size.x, row - layer * size.y, layer)));
+        lv_fragment(t, t.ask + vec3i(vec3f(f32(n) - row * size.x, row - layer * size.y, layer)));
         continuing {
             break if (low_half | high_half) == 0u;
         }

@@ -32,14 +32,14 @@ fn main(
     let nth = f32(tile - work[first_tiles + low]);
     let tiles_x = f32((u32(t.extent.x) + LV_TILE - 1u) / LV_TILE);
     let row = floor((nth + 0.5) / tiles_x);
-    let corner = i32(LV_TILE) * vec2i(vec2f(nth - row * tiles_x, row));
+    let corner = t.ask.xy + i32(LV_TILE) * vec2i(vec2f(nth - row * tiles_x, row));
     // Four columns at a time, eight cells of each: first all tests, then the surfaces of what is marked.
     for (var step = 0u; step < LV_TILE * LV_TILE; step += 256u) {
         var marked = 0u;
         for (var i = 0u; i < 4u; i++) {
             let column = corner + column_of(step + 64u * i + thread);
             let between = lv_column(t, tests, vec2f(column));
-            if any(column >= t.extent.xy) || between.x > between.y {
+            if any(column >= t.ask.xy + t.extent.xy) || between.x > between.y {
                 continue;
             }
             var k = between.x;

@@ -169,3 +169,61 @@ pub(crate) fn averages(labs: &Labs) -> Result<(), Failed> {
     }
     Ok(())
 }
+
+/// Sums, maxima and nearest values.
+pub(crate) fn rules(labs: &Labs) -> Result<(), Failed> {
+    let painted = Painted::new(scattered(6, 300, 3.0, 12.0));
+    for (rule, tolerance) in [
+        ((Rule::Sum, twin::Rule::Sum), 2e-3),
+        ((Rule::Maximum, twin::Rule::Maximum), 1e-3),
+        ((Rule::Nearest, twin::Rule::Nearest), 1e-3),
+    ] {
+        let (worst, common, apart) =
+            differences(&labs.core.gpu, &painted, Options::default(), twin::Coverage::Exact, rule)?;
+        eprintln!("{:?}: {worst:?} in {common} cells, {apart} apart", rule.0);
+        assert!(apart <= 2 && common > 200, "{:?}: {apart} apart, {common} common", rule.0);
+        assert!(worst.iter().all(|w| *w < tolerance), "{:?}: {worst:?}", rule.0);
+    }
+    Ok(())
+}
+
+/// Every format gives back what it can hold.
+pub(crate) fn formats(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let grid = unit_grid(4, 4, 4);
+    let soup = Soup::of([[Vec3::splat(1.5), Vec3::new(1.9, 1.5, 1.5), Vec3::new(1.5, 1.9, 1.5)]]);
+    let base_color = Vec4::new(0.7, 0.2, 0.4, 0.9);
+    let material = Material { base_color, ..Material::default() };
+    let mesh = soup.described(gpu, |d| Mesh::new(gpu, &MeshDescriptor { material, ..d }))?;
+    let function = lumivox::voxelize::SurfaceFunction {
+        name: "everything".to_owned(),
+        text: "fn everything(point: SurfacePoint) -> vec4f { return point.color; }".to_owned(),
+        outputs: 1,
+    };
+    let function = std::sync::Arc::new(function);
+    let mut channels = Vec::new();
+    for (format, tolerance) in [(Format::U8, 1.0 / 254.0), (Format::F16, 1e-3), (Format::F32, 1e-6)] {
+        for components in 1..=4u32 {
+            let channel = Channel::function(&format!("{format:?} {components}"), components, &function, 0);
+            channels.push((channel.format(format), components, tolerance));
+        }
+    }
+    // Twelve channels: two resolve passes.
+    let only: Vec<Channel> = channels.iter().map(|c| c.0.clone()).collect();
+    let mut voxelizer = Voxelizer::new(gpu, grid, &only, &Options::default())?;
+    let mut volume = voxelizer.volume(gpu)?;
+    run(gpu, |e| voxelizer.record(gpu, e, &[&mesh], &mut volume))?;
+    let values = volume.read_back(gpu)?;
+    for (channel, components, tolerance) in &channels {
+        for cell in grid.cells() {
+            let found = values.channel(channel.name()).ok_or("no channel")?[grid.index(cell)];
+            let is_marked = cell == lumivox::glam::UVec3::ONE;
+            for c in 0..4 {
+                let held = is_marked && c < *components as usize;
+                let expected = if held { base_color[c] } else { 0.0 };
+                assert!((found[c] - expected).abs() <= *tolerance, "{} {cell}: {found}", channel.name());
+            }
+        }
+    }
+    Ok(())
+}

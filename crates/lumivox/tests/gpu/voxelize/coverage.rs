@@ -68,7 +68,7 @@ impl<'a> Marker<'a> {
     }
 }
 
-fn each_way(
+pub(crate) fn each_way(
     labs: &Labs,
     grid: Grid,
     mut body: impl FnMut(&mut Marker<'_>) -> Result<(), Failed>,

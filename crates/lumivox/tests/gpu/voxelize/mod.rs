@@ -2,6 +2,8 @@
 
 mod channels;
 mod coverage;
+mod laws;
+mod lights;
 mod soups;
 
 use crate::Test;
@@ -13,6 +15,15 @@ const TESTS: &[Test] = &[
     ("voxelize: one triangle across the whole grid", coverage::across),
     ("voxelize: closed surfaces on fitted grids", coverage::closed),
     ("voxelize: averages are those of the CPU", channels::averages),
+    ("voxelize: sums, maxima and nearest values are those of the CPU", channels::rules),
+    ("voxelize: every format holds what it can", channels::formats),
+    ("voxelize: order and partition of triangles change nothing", laws::order),
+    ("voxelize: layers merge to what all at once give", laws::layers),
+    ("voxelize: windows change nothing", laws::windows),
+    ("voxelize: walls on cell boundaries", laws::boundaries),
+    ("voxelize: closed shells separate", laws::separation),
+    ("voxelize: moved surfaces lie behind their visible side", laws::shift),
+    ("voxelize: light with shadows, and its harmonics", lights::shadows),
 ];
 
 pub(crate) fn tests() -> Vec<Test> {
