@@ -30,4 +30,12 @@ pub enum VoxelizeError {
         /// Bits asked for.
         bits: u64,
     },
+    /// A method cannot do what is asked of it.
+    #[error("{method:?}: {reason}")]
+    Method {
+        /// Which.
+        method: super::Method,
+        /// What it cannot do.
+        reason: String,
+    },
 }

@@ -1,8 +1,11 @@
 //! What methods have in common, and what each of them must do.
 
-use super::Mesh;
 use super::direct::Direct;
+use super::raster::Expansion;
+use super::slice_per_pass::SlicePerPass;
+use super::slicemap::Slicemap;
 use super::text::{Layout, Phase};
+use super::{Channel, Mesh, VoxelizeError, clipping, slicing};
 use crate::gpu::{Gpu, GpuError};
 use lumivox_core::Grid;
 
@@ -31,7 +34,35 @@ pub enum Method {
     /// One pass over the triangles, any coverage: see [`direct`](super::direct).
     #[default]
     Direct,
+    /// Triangles cut into strips, a strip for each slice: see [`slicing`](super::slicing).
+    Slicing {
+        /// The papers' limit on the vertices that a triangle may become. Without one there are no holes.
+        output_vertices: Option<u32>,
+    },
+    /// Triangles drawn whole into each slice, and clipped by fragment: see [`clipping`](super::clipping).
+    Clipping {
+        /// The papers' limit on the vertices that a triangle may become, 3 for each slice. Without one there are no holes.
+        output_vertices: Option<u32>,
+    },
+    /// All triangles anew for every slice: see [`slice_per_pass`](super::slice_per_pass).
+    SlicePerPass,
+    /// A bit per cell from the depth of fragments: see [`slicemap`](super::slicemap).
+    Slicemap(Directions),
 }
+
+/// The directions that a [`Method::Slicemap`] is seen from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Directions {
+    /// All three axes, merged.
+    #[default]
+    Three,
+    /// Only x, y or z (0, 1, 2). Surfaces that are steep along it have gaps, or are missed.
+    One(u32),
+}
+
+/// Most cells along an axis for the methods that expand triangles: of a batch of the largest there would be more corners than a draw
+/// may have.
+const MAX_EXPANDED: u32 = 4096;
 
 /// What a [`Voxelizer`](super::Voxelizer) is made for, beside its channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,6 +75,27 @@ pub struct Options {
     /// cell behind it; pieces of less than a ten-thousandth of a cell face then do not count, unless the whole triangle is
     /// as small. Zero, or [`SURFACE_SHIFT`](crate::progressive::SURFACE_SHIFT) for volumes that views keep up too.
     pub shift: f32,
+}
+
+/// Refuses what a method cannot do.
+pub(super) fn check(grid: &Grid, channels: &[Channel], options: &Options) -> Result<(), VoxelizeError> {
+    let method = options.method;
+    let wrong = |reason: String| Err(VoxelizeError::Method { method, reason });
+    let side = grid.dims.max_element();
+    match method {
+        Method::Direct | Method::SlicePerPass => Ok(()),
+        Method::Slicing { .. } | Method::Clipping { .. } if side > MAX_EXPANDED => {
+            wrong(format!("a grid of {side} cells along an axis was asked for, {MAX_EXPANDED} are possible"))
+        }
+        Method::Slicing { .. } | Method::Clipping { .. } => Ok(()),
+        Method::Slicemap(_) if !channels.is_empty() => {
+            wrong(format!("a slicemap holds a bit a cell, and no channels such as {}", channels[0].name()))
+        }
+        Method::Slicemap(Directions::One(axis)) if axis > 2 => {
+            wrong(format!("there is no axis {axis}; 0, 1 and 2 are x, y and z"))
+        }
+        Method::Slicemap(_) => Ok(()),
+    }
 }
 
 /// What one recording of a method is about.
@@ -71,7 +123,14 @@ pub(crate) fn stages(
     options: &Options,
     phase: Phase,
 ) -> Result<Box<dyn Stages>, GpuError> {
-    match options.method {
-        Method::Direct => Ok(Box::new(Direct::new(gpu, grid, layout, options, phase)?)),
-    }
+    let expansion = |geometry| Expansion::new(gpu, grid, layout, options, phase, &geometry);
+    Ok(match options.method {
+        Method::Direct => Box::new(Direct::new(gpu, grid, layout, options, phase)?),
+        Method::Slicing { output_vertices } => Box::new(expansion(slicing::geometry(output_vertices))?),
+        Method::Clipping { output_vertices } => Box::new(expansion(clipping::geometry(output_vertices))?),
+        Method::SlicePerPass => Box::new(SlicePerPass::new(gpu, grid, layout, options, phase)?),
+        Method::Slicemap(directions) => {
+            Box::new(Slicemap::new(gpu, grid, layout, options, phase, directions)?)
+        }
+    })
 }

@@ -28,7 +28,11 @@
 //! lies more than some 500 cells away; one at 10,000 cells moves edges by up to a thousandth of a cell. A mesh that is turned or scaled is as
 //! precise as its coordinates in the world are. An average counts up to 2^28 cell faces of surface in one cell.
 
+pub mod clipping;
 pub mod direct;
+pub mod slice_per_pass;
+pub mod slicemap;
+pub mod slicing;
 
 mod channel;
 mod error;
@@ -36,6 +40,7 @@ mod layer;
 mod lights;
 mod mesh;
 mod method;
+mod raster;
 mod text;
 mod voxelizer;
 
@@ -49,7 +54,7 @@ pub use lights::{LightChannels, MAX_VOXEL_LIGHTS, VoxelLight, VoxelLights};
 pub use mesh::{
     BATCH_TRIANGLES, BatchUniform, IndexView, Material, Mesh, MeshDescriptor, MeshUniform, VertexView,
 };
-pub use method::{Coverage, Method, Options};
+pub use method::{Coverage, Directions, Method, Options};
 pub use voxelizer::{Interleaved, Voxelizer};
 
 /// The most that all channels of a cell may take: the papers' eight targets of four floats.
@@ -75,6 +80,17 @@ pub(crate) fn texts() -> Vec<GeneratedText> {
                 for is_plain in [false, true] {
                     texts.extend(direct::texts(&layout, &options, phase, (16, is_plain)));
                 }
+            }
+        }
+        for phase in [Phase::Sums, Phase::Nearest] {
+            let options = Options::default();
+            for is_plain in [false, true] {
+                let geometries = [slicing::geometry(None), clipping::geometry(Some(9))];
+                texts.extend(
+                    geometries.iter().flat_map(|g| raster::texts(&layout, &options, phase, is_plain, g)),
+                );
+                texts.push(slice_per_pass::text(&layout, &options, phase, is_plain));
+                texts.push(slicemap::text(&layout, &options, phase, is_plain));
             }
         }
         texts.extend(

@@ -39,7 +39,8 @@ impl Voxelizer {
     ///
     /// # Errors
     /// When the occupancy of the grid or a channel does not fit the device (with the largest cube that would), when channels
-    /// take more than [`MAX_CELL_BITS`], share a name or have a range without width, or when a function is no valid WGSL.
+    /// take more than [`MAX_CELL_BITS`], share a name or have a range without width, when a function is no valid WGSL, or when the
+    /// method cannot do it.
     pub fn new(
         gpu: &Gpu,
         grid: Grid,
@@ -50,6 +51,7 @@ impl Voxelizer {
         let channels = channels.iter().map(|c| c.clone().fitted(face));
         let channels: Vec<Channel> = channels.collect();
         check_channels(&channels)?;
+        method::check(&grid, &channels, options)?;
         for channel in &channels {
             crate::volume::check_grid(gpu, "a volume channel", &grid, channel.format.bytes())?;
         }

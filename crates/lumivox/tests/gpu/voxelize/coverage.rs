@@ -4,7 +4,7 @@ use libtest_mimic::Failed;
 use lumivox::core::{Bounds, Grid};
 use lumivox::glam::{UVec3, Vec3};
 use lumivox::gpu::Gpu;
-use lumivox::voxelize::{Coverage, Options, Voxelizer};
+use lumivox::voxelize::{Coverage, Method, Options, Voxelizer};
 use lumivox_oracle::voxels::{Coverage as Reference, VoxelDifference, VoxelSet};
 
 use super::soups::{Soup, cuboid, scattered, sphere, unit_grid};
@@ -26,10 +26,15 @@ pub(crate) fn ways() -> Vec<Way> {
         (Coverage::Thin, Reference::Thin),
         (Coverage::Sampled, Reference::Sampled),
     ];
-    direct
+    let direct = direct
         .into_iter()
-        .map(|(coverage, reference)| Way { options: Options { coverage, ..Options::default() }, reference })
-        .collect()
+        .map(|(coverage, reference)| Way { options: Options { coverage, ..Options::default() }, reference });
+    let swept = [Method::Slicing { output_vertices: None }, Method::Clipping { output_vertices: None }];
+    let swept = swept.into_iter().map(|method| Way {
+        options: Options { method, ..Options::default() },
+        reference: Reference::Sampled,
+    });
+    direct.chain(swept).collect()
 }
 
 /// The cells that a way finds on a grid, for one soup after another.

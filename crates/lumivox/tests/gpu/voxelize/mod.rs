@@ -4,7 +4,9 @@ mod channels;
 mod coverage;
 mod laws;
 mod lights;
+mod slices;
 mod soups;
+mod sweeps;
 
 use crate::Test;
 
@@ -24,6 +26,17 @@ const TESTS: &[Test] = &[
     ("voxelize: closed shells separate", laws::separation),
     ("voxelize: moved surfaces lie behind their visible side", laws::shift),
     ("voxelize: light with shadows, and its harmonics", lights::shadows),
+    ("voxelize: planes on cell boundaries", sweeps::planes),
+    ("voxelize: slivers between columns", sweeps::narrow),
+    ("voxelize: order and splitting of triangles", sweeps::order),
+    ("voxelize: sweeps of all faces mark every column", sweeps::every_face),
+    ("voxelize: sweeps of all faces close closed surfaces", sweeps::separation),
+    ("voxelize: a slicemap sees one direction", sweeps::one_direction),
+    ("voxelize: limits on output vertices leave holes", slices::limits),
+    ("voxelize: slices hold what direct cells hold", slices::values),
+    ("voxelize: slices share the surface", slices::areas),
+    ("voxelize: an axis a frame", slices::interleaved),
+    ("voxelize: what methods cannot do", slices::refusals),
 ];
 
 pub(crate) fn tests() -> Vec<Test> {
