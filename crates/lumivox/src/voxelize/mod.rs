@@ -21,6 +21,14 @@
 //! whenever it is asked. Nothing depends on the order of triangles or on how they are spread over meshes, since sums
 //! are integers.
 //!
+//! | [`Method`] | what a triangle costs | cells | when |
+//! | --- | --- | --- | --- |
+//! | [`direct`] | its cells, tested in compute shaders | exact, thin or sampled | always, unless there is a reason |
+//! | [`clipping`] | a copy for each slice that it meets | sampled | many triangles of a few cells, on devices that rasterize faster than they compute |
+//! | [`slicing`] | a strip for each slice that it meets | sampled | the same for large triangles |
+//! | [`slice_per_pass`] | to be looked at once for each slice of the grid, three times | sampled along each axis | for comparison |
+//! | [`slicemap`] | one copy for each direction | sampled along one axis or each | occupancy alone, gaps allowed |
+//!
 //! **Windows.** The sums of a cell take up to eight bytes a number, and a binding of core WebGPU holds 128 MiB. Grids whose sums
 //! are larger are done in windows of cells, one pass over the triangles each, with the same result.
 //!

@@ -1,32 +1,14 @@
 // A fragment: one column of a sweep, in which the triangle meets the line through the column's centre in one slice.
 
-fn lv_triangle_of(p: LvPrimitive) -> LvTriangle {
-    var t: LvTriangle;
-    t.exists = true;
-    t.number = p.vertices.w;
-    t.vertices = p.vertices.xyz;
-    t.a = p.a;
-    t.b = p.b;
-    t.c = p.c;
-    t.scale = p.normal.w;
-    let inverse = 1.0 / max(t.scale, 1e-30);
-    t.ab = (p.b - p.a) * inverse;
-    t.bc = (p.c - p.b) * inverse;
-    t.ca = (p.a - p.c) * inverse;
-    t.normal = p.normal.xyz;
-    t.origin = p.origin.xyz;
-    t.facing = u32(p.origin.w);
-    t.reach_low = vec3i(0, 0, p.slices.x);
-    t.reach_high = vec3i(0, 0, p.slices.y);
-    return t;
-}
-
 @fragment
 fn fragment_main(p: LvPrimitive) {
-    let t = lv_triangle_of(p);
+    var t = lv_load_triangle(u32(p.drawn.x));
+    if LV_EVERY_FACE {
+        t = lv_refaced(t, u32(p.drawn.z));
+    }
     let column = vec2i(p.position.xy) - t.origin.xy;
-    let x = vec3f(p.a.x, p.b.x, p.c.x);
-    let y = vec3f(p.a.y, p.b.y, p.c.y);
+    let x = vec3f(t.a.x, t.b.x, t.c.x);
+    let y = vec3f(t.a.y, t.b.y, t.c.y);
     let edges_x = vec3f(t.ab.x, t.bc.x, t.ca.x);
     let edges_y = vec3f(t.ab.y, t.bc.y, t.ca.y);
     if !lv_pass(lv_lines(x, y, edges_x, edges_y, t.normal.z), f32(column.x), f32(column.y)) {
@@ -36,10 +18,10 @@ fn fragment_main(p: LvPrimitive) {
     if LV_EVERY_FACE {
         // On a triangle that the sweep sees edge-on, rounding moves the height by cells, but not the point out of the triangle.
         let weights = lv_barycentric(t, point);
-        point = weights.x * p.a + weights.y * p.b + weights.z * p.c;
+        point = weights.x * t.a + weights.y * t.b + weights.z * t.c;
     }
-    let slice = i32(clamp(floor(point.z), f32(p.slices.x), f32(p.slices.y)));
-    if p.slices.z != LV_ANY_SLICE && slice != p.slices.z {
+    let slice = i32(clamp(floor(point.z), f32(t.reach_low.z), f32(t.reach_high.z)));
+    if p.drawn.y != LV_ANY_SLICE && slice != p.drawn.y {
         return;
     }
     let local = vec3i(column, slice);

@@ -6,19 +6,12 @@ const LV_MARGIN: f32 = 0.0625;
 // No slice of its own: the depth of each fragment decides.
 const LV_ANY_SLICE: i32 = -0x40000000;
 
+// What fragments are told. They look the triangle up again: a vertex that hands it on costs more than a fragment that reads it, since most
+// triangles have few fragments.
 struct LvPrimitive {
     @builtin(position) position: vec4f,
-    @location(0) @interpolate(flat) a: vec3f,
-    @location(1) @interpolate(flat) b: vec3f,
-    @location(2) @interpolate(flat) c: vec3f,
-    // And the triangle's scale.
-    @location(3) @interpolate(flat) normal: vec4f,
-    // And the axis of the sweep.
-    @location(4) @interpolate(flat) origin: vec4i,
-    // And the triangle's number.
-    @location(5) @interpolate(flat) vertices: vec4u,
-    // The first and the last slice that the triangle reaches, and the one that is drawn into, from `origin` on.
-    @location(6) @interpolate(flat) slices: vec3i,
+    // The triangle's number, the slice that it is drawn into, and the axis of the sweep.
+    @location(0) @interpolate(flat) drawn: vec3i,
 }
 
 // Nothing: all corners at one point.
@@ -34,13 +27,7 @@ fn lv_primitive(t: LvTriangle, slice: i32, at: vec2f) -> LvPrimitive {
     let size = vec2f(lv_turned_i(vec3i(grid.dims), t.facing).xy);
     let clip = 2.0 * (at + vec2f(t.origin.xy)) / size - 1.0;
     p.position = vec4f(clip.x, -clip.y, 0.5, 1.0);
-    p.a = t.a;
-    p.b = t.b;
-    p.c = t.c;
-    p.normal = vec4f(t.normal, t.scale);
-    p.origin = vec4i(t.origin, i32(t.facing));
-    p.vertices = vec4u(t.vertices, t.number);
-    p.slices = vec3i(t.reach_low.z, t.reach_high.z, slice);
+    p.drawn = vec3i(i32(t.number), slice, i32(t.facing));
     return p;
 }
 
