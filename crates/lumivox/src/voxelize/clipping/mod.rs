@@ -3,7 +3,8 @@
 //! Source: *Two simple single-pass GPU methods for multi-channel surface voxelization of dynamic scenes* 3.2, Algorithm 2; dissertation 6.4.2,
 //! Algorithm 6. Three sweeps by dominant normal, each triangle in one of them. What replaces the geometry shader is told in `raster/`.
 //!
-//! **Cells** are those of [`Coverage::Sampled`](super::Coverage::Sampled).
+//! **Cells** are those of [`Coverage::Sampled`](super::Coverage::Sampled). Where faces of different axes meet, a path of face neighbours may lead through a closed
+//! surface; through the cells of [slice per pass](super::slice_per_pass) none does.
 //!
 //! **Output vertices.** A triangle that meets `n` slices becomes `3 n` vertices. With a limit the higher slices are missing.
 //!

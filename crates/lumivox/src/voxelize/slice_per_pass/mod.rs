@@ -5,7 +5,8 @@
 //!
 //! **Cells.** Every sweep draws every triangle, whichever way it faces: a column of any axis marks the cell in which the line through its centre meets
 //! the triangle. That is [`Coverage::Sampled`](super::Coverage::Sampled) and some per cent more, fewer on finer grids, all of them in
-//! [`Coverage::Exact`](super::Coverage::Exact). The three samples of a piece of surface share its area, so that sums are those of the surface.
+//! [`Coverage::Exact`](super::Coverage::Exact). No path of face neighbours leads through the cells of a closed surface: the line between two centres meets it in one of
+//! the two cells. The three samples of a piece of surface share its area, so that sums are those of the surface.
 //!
 //! **When.** To compare. It needs no expansion and no memory, but looks at all triangles as many times as the grid has slices along its three axes.
 

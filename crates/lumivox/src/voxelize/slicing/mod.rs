@@ -4,7 +4,8 @@
 //! Algorithm 5. Three sweeps by dominant normal, each triangle in one of them, all six cases of a strip. What replaces the geometry shader is told
 //! in `raster/`.
 //!
-//! **Cells** are those of [`Coverage::Sampled`](super::Coverage::Sampled). The paper's strips differ from its clipped triangles in 0.15 % of the cells, by the
+//! **Cells** are those of [`Coverage::Sampled`](super::Coverage::Sampled). Where faces of different axes meet, a path of face neighbours may lead through a closed
+//! surface; through the cells of [slice per pass](super::slice_per_pass) none does. The paper's strips differ from its clipped triangles in 0.15 % of the cells, by the
 //! rasterizer's rounding; ours do not.
 //!
 //! **Output vertices.** As the paper counts them: a triangle that lies in one slice 3, a tip 3, a strip 4, in case F two strips; so that `n` slices

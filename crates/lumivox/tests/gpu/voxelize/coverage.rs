@@ -31,7 +31,7 @@ pub(crate) fn ways() -> Vec<Way> {
         .map(|(coverage, reference)| Way { options: Options { coverage, ..Options::default() }, reference });
     let swept = [Method::Slicing { output_vertices: None }, Method::Clipping { output_vertices: None }];
     let swept = swept.into_iter().map(|method| Way {
-        options: Options { method, ..Options::default() },
+        options: Options { method, coverage: Coverage::Sampled, ..Options::default() },
         reference: Reference::Sampled,
     });
     direct.chain(swept).collect()

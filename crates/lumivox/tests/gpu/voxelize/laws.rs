@@ -147,7 +147,7 @@ pub(crate) fn boundaries(labs: &Labs) -> Result<(), Failed> {
 }
 
 /// Whether a path of face neighbours (and of edge and corner neighbours, if `diagonal`) leads from the first cell to a cell.
-fn is_reached(grid: &Grid, marked: &[bool], goal: UVec3, diagonal: bool) -> bool {
+pub(crate) fn is_reached(grid: &Grid, marked: &[bool], goal: UVec3, diagonal: bool) -> bool {
     let mut reached = vec![false; marked.len()];
     let mut open = vec![UVec3::ZERO];
     reached[0] = true;
