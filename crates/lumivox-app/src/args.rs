@@ -27,6 +27,8 @@ pub(crate) enum Command {
     Voxelize(crate::voxelize::VoxelizeArgs),
     /// Hold our light against a path tracer's, or another renderer's: errors, pictures, differences.
     Compare(crate::compare::CompareArgs),
+    /// Make the papers' tables and figures on this machine: times, counts and pictures beside the papers' own.
+    Bench(crate::bench::BenchArgs),
     /// Show the adapters, their tier and limits, and the largest grids that fit.
     Info(InfoArgs),
 }

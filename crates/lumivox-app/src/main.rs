@@ -1,6 +1,7 @@
 //! The program `lumivox`: lights scenes with voxel volumes from the command line.
 
 mod args;
+mod bench;
 mod clock;
 mod compare;
 mod demo;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         args::Command::Render(render) => render::run(render),
         args::Command::Voxelize(voxelize) => voxelize::run(voxelize),
         args::Command::Compare(compare) => compare::run(compare),
+        args::Command::Bench(bench) => bench::run(bench),
         args::Command::Info(info) => info::run(info),
     };
     match result {

@@ -1,0 +1,55 @@
+//! `lumivox bench`: the papers' tables and figures, on this machine and beside the papers' numbers.
+
+mod models;
+mod plot;
+mod report;
+mod timing;
+mod voxel_picture;
+mod voxelizers;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+
+use crate::args::GpuArgs;
+use crate::info::open_gpu;
+use report::Report;
+use timing::Timer;
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchArgs {
+    /// What to measure.
+    #[arg(value_enum, required = true)]
+    names: Vec<BenchName>,
+    /// Folder for NAME.md, NAME.json and the plots and pictures.
+    #[arg(long, default_value = "out/bench")]
+    out: PathBuf,
+    /// Small grids and few triangles: under a minute on two cores.
+    #[arg(long)]
+    quick: bool,
+    #[command(flatten)]
+    gpu: GpuArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum BenchName {
+    /// The ways to turn triangles into voxels.
+    Voxelizers,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &BenchArgs) -> Result<()> {
+    let gpu = open_gpu(&args.gpu)?;
+    for name in &args.names {
+        match name {
+            BenchName::Voxelizers => {
+                let mut report = Report::new(&args.out, "voxelizers", "Voxelizers of triangles")?;
+                report.say(&timing::words(&gpu, args.quick));
+                voxelizers::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
+                report.write()?;
+            }
+        }
+    }
+    Ok(())
+}
