@@ -25,10 +25,11 @@ pub(super) struct Time {
 
 impl<'a> Timer<'a> {
     pub(super) fn new(gpu: &'a Gpu, quick: bool) -> Self {
-        if quick { Self { gpu, runs: 3, patience: 300.0 } } else { Self { gpu, runs: 7, patience: 2000.0 } }
+        if quick { Self { gpu, runs: 3, patience: 300.0 } } else { Self { gpu, runs: 5, patience: 1000.0 } }
     }
 
-    /// The median of runs after a first one, in which drivers finish their compilation; a first run beyond all patience is the only one.
+    /// The median of runs after a first one, in which drivers finish their compilation; one that takes longer than eight
+    /// times what is spent on repeating is the only one.
     pub(super) fn median(&self, mut run: impl FnMut() -> Result<()>) -> Result<Time> {
         let mut times = Vec::new();
         let mut once = || -> Result<f64> {
@@ -37,7 +38,7 @@ impl<'a> Timer<'a> {
             Ok(clock::millis() - start)
         };
         let first = once()?;
-        if first > 2.0 * self.patience {
+        if first > 8.0 * self.patience {
             return Ok(Time { ms: first, runs: 1 });
         }
         while times.is_empty() || (times.len() < self.runs && times.iter().sum::<f64>() < self.patience) {
@@ -75,7 +76,7 @@ pub(super) fn words(gpu: &Gpu, quick: bool) -> String {
     } else {
         ""
     };
-    let runs = if quick { "at most 3" } else { "at most 7" };
+    let runs = if quick { "at most 3" } else { "at most 5" };
     format!(
         "Adapter: {} ({}, {}), {kind}.\n\nTimes are wall clock around recording, submission and the wait for the device; \
          the median of {runs} runs after a first one that is not counted, fewer where they are long. Time stamps of the device are \

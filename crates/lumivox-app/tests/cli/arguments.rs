@@ -7,7 +7,7 @@ use crate::support::Folder;
 pub(crate) fn no_arguments() -> Result<(), Failed> {
     let run = Folder::new().line("");
     assert_eq!(run.status, Some(2));
-    for word in ["Usage: lumivox", "demo", "render", "voxelize", "compare", "info"] {
+    for word in ["Usage: lumivox", "demo", "render", "voxelize", "compare", "bench", "info"] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
     }
     Ok(())
@@ -22,6 +22,7 @@ pub(crate) fn help() -> Result<(), Failed> {
         "render --help",
         "voxelize --help",
         "compare --help",
+        "bench --help",
         "info --help",
     ] {
         let run = Folder::new().line(arguments);
@@ -35,6 +36,8 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
     for (arguments, words) in [
         ("glow", vec!["glow"]),
         ("--glow", vec!["--glow"]),
+        ("bench", vec!["<NAMES>"]),
+        ("bench speed", vec!["speed", "voxelizers"]),
         ("render", vec!["--output", "<SCENE>"]),
         ("render builtin:cornell", vec!["--output"]),
         ("render -o x.png", vec!["<SCENE>"]),
