@@ -5,9 +5,7 @@ use std::time::Instant;
 
 use lumivox::core::Grid;
 use lumivox::gpu::{AdapterChoice, Gpu, Tier};
-use lumivox::voxelize::{
-    Channel, Coverage, IndexView, Mesh, MeshDescriptor, Options, VertexView, Voxelizer,
-};
+use lumivox::voxelize::{Channel, Coverage, IndexView, Mesh, MeshDescriptor, Options, VertexView, Voxelizer};
 use lumivox::wgpu::{self, BufferUsages, IndexFormat, VertexFormat};
 use lumivox_scene::Scene;
 

@@ -11,8 +11,8 @@ const SHADES: [f32; 3] = [0.72, 1.0, 0.52];
 /// A picture of the cells that have a colour (in numbers for a screen, 0 to 1).
 pub(super) fn voxel_picture(grid: &Grid, side: u32, color: impl Fn(UVec3) -> Option<Vec3>) -> RgbImage {
     let dims = grid.dims.as_vec3();
-    let forward = Vec3::new(-0.52, -0.42, -0.74).normalize();
-    let right = forward.cross(Vec3::Y).normalize();
+    let forward = Vec3::new(-0.52, -0.42, -0.74).normalize_or_zero();
+    let right = forward.cross(Vec3::Y).normalize_or_zero();
     let up = right.cross(forward);
     // The grid's corners as the picture sees them.
     let corners =
@@ -26,7 +26,7 @@ pub(super) fn voxel_picture(grid: &Grid, side: u32, color: impl Fn(UVec3) -> Opt
         let across = (x as f32 + 0.5 - 0.5 * columns as f32) * scale;
         let along = (0.5 * rows as f32 - y as f32 - 0.5) * scale;
         let start = 0.5 * dims + right * across + up * along - forward * dims.length();
-        let seen = first_cell(grid.dims, start, forward, |cell| color(cell));
+        let seen = first_cell(grid.dims, start, forward, &color);
         Rgb(seen.unwrap_or(Vec3::from(PAPER)).to_array().map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8))
     })
 }
