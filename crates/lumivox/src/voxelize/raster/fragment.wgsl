@@ -67,6 +67,7 @@ fn lv_refaced(t: LvTriangle, axis: u32) -> LvTriangle {
     r.bc = lv_turned(lv_turned_back(t.bc, t.facing), axis);
     r.ca = lv_turned(lv_turned_back(t.ca, t.facing), axis);
     r.normal = lv_turned(lv_turned_back(t.normal, t.facing), axis);
+    r.ask = lv_turned_i(lv_turned_back_i(t.ask, t.facing), axis);
     r.extent = lv_turned_i(lv_turned_back_i(t.extent, t.facing), axis);
     r.reach_low = lv_turned_i(lv_turned_back_i(t.reach_low, t.facing), axis);
     r.reach_high = lv_turned_i(lv_turned_back_i(t.reach_high, t.facing), axis);

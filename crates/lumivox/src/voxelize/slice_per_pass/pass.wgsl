@@ -13,7 +13,7 @@ fn vertex_main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) inst
     t = lv_refaced(t, instance % 4u);
     // The thin frustum of the slice.
     let slice = i32(instance / 4u) - t.origin.z;
-    if t.normal.z == 0.0 || slice < 0 || slice >= t.extent.z {
+    if t.normal.z == 0.0 || slice < t.ask.z || slice >= t.ask.z + t.extent.z {
         return lv_no_primitive();
     }
     return lv_primitive(t, slice, lv_outline(t, vertex % 3u));

@@ -44,33 +44,43 @@ fn lv_pieces(t: LvTriangle, middle: i32, slice: i32) -> vec2u {
     return select(vec2u(2u, 4u), vec2u(4u, 8u), slice == middle);
 }
 
+// Triangles of the slices before one, from the first on the grid: two each, but for the ends of the triangle and the slice of v2.
+fn lv_before(t: LvTriangle, middle: i32, slice: i32) -> u32 {
+    if slice == 0 {
+        return 0u;
+    }
+    var total = 2u * u32(slice - 1) + lv_pieces(t, middle, 0).x;
+    if slice > 1 {
+        total += lv_pieces(t, middle, slice - 1).x - 2u;
+    }
+    if middle > 0 && middle < slice - 1 {
+        total += 2u;
+    }
+    return total;
+}
+
 fn lv_primitives(t: LvTriangle) -> u32 {
     let middle = lv_sorted(t).middle;
-    let last = t.extent.z - 1;
+    let begin = lv_before(t, middle, t.ask.z);
+    let end = t.ask.z + t.extent.z;
     let budget = LV_OUTPUT_VERTICES;
     if budget == 0xffffffffu {
-        // Two for each slice, but for the ends of the triangle and the slice of v2.
-        var total = 2u * u32(t.extent.z - 1) + lv_pieces(t, middle, 0).x;
-        if last > 0 {
-            total += lv_pieces(t, middle, last).x - 2u;
-        }
-        if middle > 0 && middle < last {
-            total += 2u;
-        }
-        return total;
+        return lv_before(t, middle, end) - begin;
     }
+    // The limit counts from the first slice on the grid, whatever the window.
     var total = vec2u(0u);
-    for (var slice = 0; slice <= last; slice++) {
+    for (var slice = 0; slice < end; slice++) {
         let pieces = lv_pieces(t, middle, slice);
-        if pieces.y == 8u && total.y + 4u <= budget && total.y + 8u > budget {
-            return total.x + 2u;
-        }
         if total.y + pieces.y > budget {
+            // The lower strip of case F.
+            if pieces.y == 8u && total.y + 4u <= budget {
+                total.x += 2u;
+            }
             break;
         }
         total += pieces;
     }
-    return total.x;
+    return max(total.x, begin) - begin;
 }
 
 // Where an edge, moved away from the triangle's third corner, has a height; beyond its ends too.
@@ -147,11 +157,12 @@ fn lv_strip(t: LvTriangle, s: LvSorted, slice: i32, is_upper: bool, corner: u32)
 
 fn lv_corner(t: LvTriangle, nth: u32, corner: u32) -> LvPrimitive {
     let s = lv_sorted(t);
+    let number = nth + lv_before(t, s.middle, t.ask.z);
     let first = lv_pieces(t, s.middle, 0).x;
     var slice = 0;
-    var piece = nth;
-    if nth >= first {
-        let after = nth - first;
+    var piece = number;
+    if number >= first {
+        let after = number - first;
         slice = 1 + i32(after / 2u);
         piece = after % 2u;
         if s.middle > 0 && s.middle < t.reach_high.z {

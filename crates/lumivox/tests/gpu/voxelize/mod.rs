@@ -36,6 +36,7 @@ const TESTS: &[Test] = &[
     ("voxelize: slices hold what direct cells hold", slices::values),
     ("voxelize: slices share the surface", slices::areas),
     ("voxelize: a slice per pass, an axis a frame", slices::interleaved),
+    ("voxelize: slices in windows", slices::windows),
     ("voxelize: what methods cannot do", slices::refusals),
 ];
 

@@ -1,12 +1,15 @@
 //! Methods that draw slices: limits on vertices, values, and the axis of a frame.
 
+use std::sync::Arc;
+
 use libtest_mimic::Failed;
 use lumivox::core::{Bounds, Grid, HostVolume};
-use lumivox::glam::Vec3;
+use lumivox::glam::{Vec3, Vec4};
 use lumivox::gpu::Gpu;
 use lumivox::volume::Format;
 use lumivox::voxelize::{
-    Channel, Coverage, Directions, Interleaved, Method, Options, Rule, VoxelizeError, Voxelizer,
+    Channel, Coverage, Directions, Interleaved, Method, Options, Rule, SurfaceFunction, VoxelizeError,
+    Voxelizer,
 };
 
 use super::soups::{Soup, scattered, sphere, unit_grid};
@@ -110,8 +113,7 @@ pub(crate) fn values(labs: &Labs) -> Result<(), Failed> {
             let ours = volume(gpu, grid, &channels(), &Options { method, ..Options::default() }, &soup)?;
             for name in ["average", "largest", "nearest", "area"] {
                 let pairs = ours.channel(name).zip(reference.channel(name)).ok_or("no channel")?;
-                let difference =
-                    |(a, b): (&lumivox::glam::Vec4, &lumivox::glam::Vec4)| (*a - *b).abs().max_element();
+                let difference = |(a, b): (&Vec4, &Vec4)| (*a - *b).abs().max_element();
                 let apart = pairs.0.iter().zip(pairs.1).map(difference).filter(|d| *d > 1e-5).count();
                 // A sample on the edge of two cells or triangles may be in the other one.
                 assert!(apart <= 2, "{method:?}, {name}: {apart} cells apart");
@@ -159,6 +161,40 @@ pub(crate) fn interleaved(labs: &Labs) -> Result<(), Failed> {
     let ours = volume.read_back(gpu)?;
     for name in ["average", "largest", "nearest", "area"] {
         assert!(ours.channel(name) == expected.channel(name), "{name}");
+    }
+    Ok(())
+}
+
+/// Sums that do not fit one binding are made in two windows, with the same values.
+pub(crate) fn windows(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let grid = unit_grid(86, 90, 88);
+    let soup = scattered(3, 80, 60.0, 88.0);
+    let function = Arc::new(SurfaceFunction {
+        name: "everything".to_owned(),
+        text: "fn everything(point: SurfacePoint) -> vec4f { return vec4f(point.normal, point.area); }"
+            .to_owned(),
+        outputs: 1,
+    });
+    let own =
+        |n| Channel::function(&format!("own {n}"), 4, &function, 0).range(-1.0, 1.0).format(Format::F32);
+    let (few, many) = (channels(), channels().into_iter().chain((0..5).map(own)).collect::<Vec<_>>());
+    let slices = [Method::Slicing { output_vertices: None }, Method::Clipping { output_vertices: None }];
+    for method in slices.into_iter().chain([Method::SlicePerPass]) {
+        let options = Options { method, ..Options::default() };
+        let passes =
+            |channels: &[Channel]| Voxelizer::new(gpu, grid, channels, &options).map(|v| v.triangle_passes());
+        // Twice as many as windows, since nearest values take a second pass.
+        assert_eq!((passes(&few)?, passes(&many)?), (2, 4));
+        let (one, two) =
+            (volume(gpu, grid, &few, &options, &soup)?, volume(gpu, grid, &many, &options, &soup)?);
+        for channel in &few {
+            assert!(
+                one.channel(channel.name()) == two.channel(channel.name()),
+                "{method:?}: {}",
+                channel.name()
+            );
+        }
     }
     Ok(())
 }
