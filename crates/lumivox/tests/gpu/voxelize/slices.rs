@@ -33,7 +33,7 @@ pub(crate) fn limits(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let soup = sphere(Vec3::ZERO, 1.37, 3);
     let grid = Grid::fit(&Bounds::new(Vec3::splat(-1.37), Vec3::splat(1.37)), 64)?;
-    for (is_slicing, limits) in [(true, [3, 7, 11, 15, 19, 27, 43]), (false, [3, 6, 9, 12, 15, 21, 30])] {
+    for (is_slicing, limits) in [(true, [3, 7, 15, 43]), (false, [3, 6, 12, 30])] {
         let of = |output_vertices: Option<u32>| {
             if is_slicing {
                 Method::Slicing { output_vertices }
@@ -53,7 +53,7 @@ pub(crate) fn limits(labs: &Labs) -> Result<(), Failed> {
         }
         eprintln!("{} cells, holes {holes:?} of limits {limits:?}", count(&whole));
         assert!(holes.is_sorted_by(|a, b| a >= b) && holes[0] > 100 && holes[1] < holes[0], "{holes:?}");
-        assert!(holes[6] == 0, "{holes:?}: every triangle reaches at most 10 slices");
+        assert!(holes[3] == 0, "{holes:?}: every triangle reaches at most 10 slices");
         assert!(count(&cells(gpu, grid, of(Some(2)), &soup)?) == 0, "no triangle has two vertices");
     }
     // By hand: a wall of slope one through 8 slices, a row of columns for each slice.
@@ -65,13 +65,11 @@ pub(crate) fn limits(labs: &Labs) -> Result<(), Failed> {
         let layers = (0..8).filter(|&z| grid.cells().any(|c| c.z == z && cells[grid.index(c)]));
         Ok(layers.count())
     };
-    for (limit, expected) in [(3, 1), (6, 2), (8, 2), (9, 3), (24, 8)] {
+    for (limit, expected) in [(3, 1), (8, 2), (9, 3), (24, 8)] {
         assert_eq!(slices(Method::Clipping { output_vertices: Some(limit) })?, expected, "clipping {limit}");
     }
     // A tip of 3, strips of 4, two of them in the fifth slice, where v2 is, and a tip.
-    for (limit, expected) in
-        [(3, 1), (6, 1), (7, 2), (11, 3), (15, 4), (22, 4), (23, 5), (27, 6), (31, 7), (33, 7), (34, 8)]
-    {
+    for (limit, expected) in [(6, 1), (7, 2), (15, 4), (22, 4), (23, 5), (33, 7), (34, 8)] {
         assert_eq!(slices(Method::Slicing { output_vertices: Some(limit) })?, expected, "slicing {limit}");
     }
     Ok(())
