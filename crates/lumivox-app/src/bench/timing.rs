@@ -76,11 +76,16 @@ pub(super) fn words(gpu: &Gpu, quick: bool) -> String {
     } else {
         ""
     };
+    let load = std::fs::read_to_string("/proc/loadavg").ok();
+    let load = load.as_deref().and_then(|words| words.split(' ').next());
+    let load = load.map_or(String::new(), |load| {
+        format!(" The machine's load was {load} at the start; what others do on it is in the times of a software driver.")
+    });
     let runs = if quick { "at most 3" } else { "at most 5" };
     format!(
         "Adapter: {} ({}, {}), {kind}.\n\nTimes are wall clock around recording, submission and the wait for the device; \
          the median of {runs} runs after a first one that is not counted, fewer where they are long. Time stamps of the device are \
-         not used, since those of software drivers do not count compute work.{build}",
+         not used, since those of software drivers do not count compute work.{build}{load}",
         info.name,
         info.backend,
         driver.trim(),

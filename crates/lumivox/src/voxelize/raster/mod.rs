@@ -13,6 +13,10 @@
 //!
 //! **The same cells everywhere.** A rasterizer moves corners to a grid of 1/256 of a pixel, or as coarse as it likes down to 1/16. So outlines are
 //! drawn 1/16 of a pixel wider, and each fragment asks in single precision whether the column's centre lies in the triangle, and in which slice.
+//!
+//! **Cost.** On a software driver with two threads a primitive of a few pixels takes about a microsecond: the 69,451 triangles of the Stanford bunny
+//! at 128 cells take 130 ms by clipping or slicing and 55 ms for a slicemap of one direction, where [`direct`](super::direct) takes 8. Of 48 triangles as large
+//! as the grid all three take 6.5 ms for occupancy; with a channel of albedo slicing takes 24, clipping 30 and direct 40.
 
 mod expansion;
 
