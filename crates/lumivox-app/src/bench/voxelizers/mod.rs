@@ -11,7 +11,7 @@ use lumivox::core::Grid;
 use lumivox::voxelize::{Channel, Coverage, Directions, Method, Options, Voxelizer};
 use lumivox_voxels::{GridSpec, VoxelizeOptions};
 
-use super::models::{Subject, assets, subjects};
+use super::models::{Subject, subjects};
 use super::report::Report;
 use super::timing::{Time, Timer};
 
@@ -96,16 +96,15 @@ fn measure_cpu(
 /// Runs all of it.
 pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result<()> {
     let subjects = subjects(timer.gpu, quick)?;
-    if assets().is_none() {
-        report.say(
-            "`LUMIVOX_ASSETS` names no folder with the papers' models: a bumpy ball with the triangles of the bunny stands in for it, and the \
-             built-in atrium for Sponza. Counts of cells cannot be compared.",
-        );
-    }
     report.say(
-        "The papers' times are those of a GeForce GTX 285 from 2009. Counts of cells in parentheses are the papers'. Our bunny and dragon are theirs, on grids that \
-         stand on the ground, as the papers' grid sizes imply; Sponza is the older, smaller one.",
+        "The papers' times are those of a GeForce GTX 285 from 2009; their numbers stand in parentheses.",
     );
+    report.say(if subjects[0].name == "Bunny" {
+        "Our bunny and dragon are the papers', on grids that stand on the ground, as the papers' grid sizes imply; Sponza is the older, smaller one."
+    } else {
+        "`LUMIVOX_ASSETS` names no folder with the papers' models: a bumpy ball of about as many triangles stands in for the bunny, and the built-in \
+         atrium for Sponza. Counts of cells cannot be compared."
+    });
     tables::limits(timer, &subjects, quick, report)?;
     tables::targets(timer, &subjects[0], quick, report)?;
     tables::approaches(timer, &subjects, quick, report)?;
