@@ -20,6 +20,8 @@
 //!             irradiance texture: the host multiplies by albedo / pi and adds it
 //! ```
 //!
+//! A volume can be made of triangles too, from buffers that the host has already: see [`voxelize`].
+//!
 //! **Contract with a host.** Every stage records into the host's `CommandEncoder`. Nothing submits, waits, maps or
 //! allocates inside a frame; pipelines are made beforehand. Results are textures and buffers. Everything runs on
 //! [`Tier::Core`](gpu::Tier::Core): WebGPU with default limits.
@@ -30,6 +32,7 @@
 //! | dissertation chapter 5: volume-based indirect light | [`light`] |
 //! | beyond the papers: indirect light along rays, all bounces, thin walls | [`gather`] |
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
+//! | the same; dissertation 5.5.1 and chapter 6: voxelization of triangles | [`voxelize`] |
 
 // The macros of this crate name it from outside and from inside.
 extern crate self as lumivox;

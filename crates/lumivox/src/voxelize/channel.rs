@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::{MAX_CELL_BITS, VoxelizeError};
 use crate::volume::{ALBEDO, ChannelFormat, EMISSION, Format, NORMAL};
 
 /// What becomes of several surfaces in one cell. None of them depends on the order of the triangles.
@@ -159,4 +160,25 @@ impl Channel {
     pub fn stored(&self) -> &ChannelFormat {
         &self.format
     }
+}
+
+/// Refuses channels that cannot be together.
+pub(super) fn check(channels: &[Channel]) -> Result<(), VoxelizeError> {
+    let bits = channels.iter().map(|c| 8 * c.format.bytes()).sum();
+    if bits > MAX_CELL_BITS {
+        return Err(VoxelizeError::TooManyBits { bits });
+    }
+    for (n, channel) in channels.iter().enumerate() {
+        let wrong = |reason: &str| {
+            Err(VoxelizeError::Channel { name: channel.format.name.clone(), reason: reason.to_owned() })
+        };
+        if channels[..n].iter().any(|c| c.format.name == channel.format.name) {
+            return wrong("there are two of this name");
+        }
+        let [low, high] = channel.format.range;
+        if !(low < high && (high - low).is_finite() && (high - low) >= 1e-30) {
+            return wrong("its range has no width, or no end");
+        }
+    }
+    Ok(())
 }

@@ -50,6 +50,7 @@ mod mesh;
 mod method;
 mod raster;
 mod text;
+mod views;
 mod voxelizer;
 
 use crate::gpu::GeneratedText;
@@ -59,10 +60,9 @@ pub use channel::{Channel, Rule, SurfaceFunction};
 pub use error::VoxelizeError;
 pub use layer::{Layer, WindowUniform};
 pub use lights::{LightChannels, MAX_VOXEL_LIGHTS, VoxelLight, VoxelLights};
-pub use mesh::{
-    BATCH_TRIANGLES, BatchUniform, IndexView, Material, Mesh, MeshDescriptor, MeshUniform, VertexView,
-};
+pub use mesh::{BATCH_TRIANGLES, BatchUniform, Material, Mesh, MeshDescriptor, MeshUniform};
 pub use method::{Coverage, Directions, Method, Options};
+pub use views::{IndexView, VertexView};
 pub use voxelizer::{Interleaved, Voxelizer};
 
 /// The most that all channels of a cell may take: the papers' eight targets of four floats.

@@ -3,7 +3,7 @@
 use super::layer::{Layer, Windows};
 use super::method::{self, Job, Options, Stages};
 use super::text::{Layout, OUTPUT_NAMES, Phase, RESOLVE_OUTPUTS, merge_text, resolve_text};
-use super::{Channel, MAX_CELL_BITS, Mesh, Rule, VoxelizeError};
+use super::{Channel, Mesh, Rule, VoxelizeError};
 use crate::gpu::{Bindings, Buffer, GeneratedPass, GeneratedText, Gpu, GpuError, Program};
 use crate::volume::{ChannelFormat, VolumeBuffer};
 use crate::wgsl::linear_groups;
@@ -39,7 +39,7 @@ impl Voxelizer {
     ///
     /// # Errors
     /// When the occupancy of the grid or a channel does not fit the device (with the largest cube that would), when channels
-    /// take more than [`MAX_CELL_BITS`], share a name or have a range without width, when a function is no valid WGSL, or when the
+    /// take more than [`MAX_CELL_BITS`](super::MAX_CELL_BITS), share a name or have a range without width, when a function is no valid WGSL, or when the
     /// method cannot do it.
     pub fn new(
         gpu: &Gpu,
@@ -50,7 +50,7 @@ impl Voxelizer {
         let face = grid.cell_size * grid.cell_size;
         let channels = channels.iter().map(|c| c.clone().fitted(face));
         let channels: Vec<Channel> = channels.collect();
-        check_channels(&channels)?;
+        super::channel::check(&channels)?;
         method::check(&grid, &channels, options)?;
         for channel in &channels {
             crate::volume::check_grid(gpu, "a volume channel", &grid, channel.format.bytes())?;
@@ -344,24 +344,4 @@ fn dispatch(
 
 fn wrong(pass: &'static str, reason: String) -> GpuError {
     GpuError::Binding { pass, reason }
-}
-
-fn check_channels(channels: &[Channel]) -> Result<(), VoxelizeError> {
-    let bits = channels.iter().map(|c| 8 * c.format.bytes()).sum();
-    if bits > MAX_CELL_BITS {
-        return Err(VoxelizeError::TooManyBits { bits });
-    }
-    for (n, channel) in channels.iter().enumerate() {
-        let wrong = |reason: &str| {
-            Err(VoxelizeError::Channel { name: channel.format.name.clone(), reason: reason.to_owned() })
-        };
-        if channels[..n].iter().any(|c| c.format.name == channel.format.name) {
-            return wrong("there are two of this name");
-        }
-        let [low, high] = channel.format.range;
-        if !(low < high && (high - low).is_finite() && (high - low) >= 1e-30) {
-            return wrong("its range has no width, or no end");
-        }
-    }
-    Ok(())
 }

@@ -174,9 +174,9 @@ pub(crate) fn averages(labs: &Labs) -> Result<(), Failed> {
 pub(crate) fn rules(labs: &Labs) -> Result<(), Failed> {
     let painted = Painted::new(scattered(6, 300, 3.0, 12.0));
     for (rule, tolerance) in [
-        ((Rule::Sum, twin::Rule::Sum), 2e-3),
-        ((Rule::Maximum, twin::Rule::Maximum), 1e-3),
-        ((Rule::Nearest, twin::Rule::Nearest), 1e-3),
+        ((Rule::Sum, twin::Rule::Sum), 2e-5),
+        ((Rule::Maximum, twin::Rule::Maximum), 2e-5),
+        ((Rule::Nearest, twin::Rule::Nearest), 2e-5),
     ] {
         let (worst, common, apart) =
             differences(&labs.core.gpu, &painted, Options::default(), twin::Coverage::Exact, rule)?;

@@ -2,6 +2,7 @@
 
 mod channels;
 mod coverage;
+mod inputs;
 mod laws;
 mod lights;
 mod slices;
@@ -26,6 +27,9 @@ const TESTS: &[Test] = &[
     ("voxelize: closed shells separate", laws::separation),
     ("voxelize: moved surfaces lie behind their visible side", laws::shift),
     ("voxelize: light with shadows, and its harmonics", lights::shadows),
+    ("voxelize: meshes of every layout", inputs::layouts),
+    ("voxelize: what does not fit is refused with numbers", inputs::refusals),
+    ("voxelize: recording makes nothing", inputs::nothing_is_made),
     ("voxelize: sweeps of all faces, walls on cell boundaries", sweeps::planes),
     ("voxelize: slivers between columns", sweeps::narrow),
     ("voxelize: sweeps of all faces, order and partition", sweeps::order),
