@@ -13,6 +13,8 @@
 // Light from behind a wall must not reach a pixel by interpolation: this much of a surfel's weight is left if the way to it is
 // blocked, for pixels to which all ways seem so.
 const BLOCKED: f32 = 1e-5;
+// The sum of weights from which no surfels farther away are asked.
+const ENOUGH: f32 = 1e-3;
 
 // Whether a surfel can be seen from `eye`, in sub-cells: one of its open faces, near its middle.
 fn in_sight(surfel: Surfel, eye: vec3f) -> bool {
@@ -22,9 +24,20 @@ fn in_sight(surfel: Surfel, eye: vec3f) -> bool {
     return march(eye, way, 1.0).ended == REACHED_LIMIT;
 }
 
+// How much a surfel on `side` counts for a pixel with normal n: one that faces its way, or where none does, as on mouldings finer
+// than a cell, any, and least of all those that look the other way.
+fn facing_weight(side: u32, surfel: Surfel, n: vec3f, strict: bool) -> f32 {
+    let along = dot(surfel.normal, n);
+    if !strict {
+        return max(0.1 + along, 0.02);
+    }
+    let axis = n[side / 4u] * select(1.0, -1.0, (side & 2u) != 0u);
+    return select(0.0, axis * axis * along * along, axis > 0.03 && along > 0.0);
+}
+
 // Weighted irradiance of the surfels in the eight cells around p, as far as they can be seen from `eye`, and the sum of the
 // weights.
-fn interpolated(p: vec3f, n: vec3f, eye: vec3f) -> vec4f {
+fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool) -> vec4f {
     let low = floor(p - 0.5);
     let fraction = p - 0.5 - low;
     var sum = vec4f(0.0);
@@ -37,17 +50,17 @@ fn interpolated(p: vec3f, n: vec3f, eye: vec3f) -> vec4f {
         let along = select(1.0 - fraction, fraction, offset == vec3u(1u));
         let near = along.x * along.y * along.z + 1e-4;
         let at = SIDES * cell_index(grid, vec3u(cell));
-        for (var part = 0u; part < 6u; part++) {
-            let axis = part / 2u;
-            let facing_axis = n[axis] * n[axis];
-            let place = table[at + 4u * axis + select(0u, 2u, n[axis] < 0.0) + part % 2u];
-            if place == NO_SURFEL || facing_axis < 1e-3 {
+        for (var side = 0u; side < SIDES; side++) {
+            let place = table[at + side];
+            if place == NO_SURFEL {
                 continue;
             }
             let surfel = unpack_surfel(surfels[place]);
-            let facing = max(dot(surfel.normal, n), 0.0);
-            let weight = near * facing_axis * facing * facing * select(BLOCKED, 1.0, in_sight(surfel, eye));
-            sum += weight * vec4f(unpack_half4(shine[place].zw).rgb, 1.0);
+            let facing = facing_weight(side, surfel, n, strict);
+            if facing > 0.0 {
+                let weight = near * facing * select(BLOCKED, 1.0, in_sight(surfel, eye));
+                sum += weight * vec4f(unpack_half4(shine[place].zw).rgb, 1.0);
+            }
         }
     }
     return sum;
@@ -71,8 +84,11 @@ fn free_point(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
 fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
     let eye = free_point(p, n, towards_eye);
     var sum = vec4f(0.0);
-    for (var step = 0u; step < 3u && sum.w < 1e-3; step++) {
-        sum += interpolated(p + 0.75 * f32(step) * n, n, eye);
+    for (var step = 0u; step < 3u && sum.w < ENOUGH; step++) {
+        sum += interpolated(p + 0.75 * f32(step) * n, n, eye, true);
+    }
+    if sum.w < ENOUGH {
+        sum += interpolated(p, n, eye, false);
     }
     return clamp(sum.rgb / max(sum.w, 1e-12), vec3f(0.0), vec3f(HALF_MAX));
 }
