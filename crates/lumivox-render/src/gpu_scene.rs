@@ -2,8 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
-use lumivox::gpu::{Bindings, Buffer, Gpu, GpuError, Program, Sampler, Texture, TextureOptions, Uniform};
-use lumivox_scene::{AlphaMode, Material, Pose, Scene, Texture as Image, Wrap};
+use lumivox::gpu::{Bindings, Buffer, Gpu, GpuError, Program, Uniform};
+use lumivox_scene::{AlphaMode, Material, Pose, Scene, Wrap};
+
+use crate::material_textures::MaterialTextures;
 
 /// What moves of a vertex: 24 bytes, in a buffer of its own.
 #[repr(C)]
@@ -49,6 +51,14 @@ lumivox::gpu_struct! {
         pub emission: Vec3,
         /// Surfaces less opaque than this are holes; negative for none.
         pub alpha_cutoff: f32,
+        /// 1 where texels are still encoded in sRGB; for lookups at a point alone.
+        pub decodes_base_color: u32,
+        /// The same of the emission's.
+        pub decodes_emission: u32,
+        /// Unused.
+        pub reserved_0: u32,
+        /// Unused.
+        pub reserved_1: u32,
     }
 }
 
@@ -90,21 +100,14 @@ pub struct GpuScene {
 #[derive(Debug)]
 struct GpuMaterial {
     uniform: Uniform<MaterialUniform>,
-    base_color: usize,
-    emission: usize,
-    sampler: usize,
-}
-
-/// The textures and samplers that materials share.
-#[derive(Debug)]
-pub struct MaterialTextures {
-    textures: Vec<Texture>,
-    samplers: Vec<Sampler>,
+    base_color_texture: Option<usize>,
+    emission_texture: Option<usize>,
+    wrap: [Wrap; 2],
 }
 
 impl GpuScene {
-    /// Uploads a scene, and `panels`, a second one that only lights see. Textures get a full chain of mip levels, averaged in
-    /// linear light; without `filtered` only the finest is looked up.
+    /// Uploads a scene, and `panels`, a second one that only lights see. Textures are filtered over the area of a pixel or
+    /// looked up at a point ([`MaterialTextures`]).
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -116,15 +119,7 @@ impl GpuScene {
         geometry.append(panels, false);
         geometry.draws.sort_by_key(|d| d.material);
 
-        let mut textures = vec![upload_texture(gpu, &white(), false)?];
-        for (n, image) in scene.textures.iter().enumerate() {
-            let masks = scene
-                .materials
-                .iter()
-                .any(|m| m.alpha != AlphaMode::Opaque && m.base_color_texture == Some(n));
-            textures.push(upload_texture(gpu, image, masks)?);
-        }
-        let samplers = WRAPS.iter().map(|wrap| sampler(gpu, *wrap, filtered)).collect();
+        let textures = MaterialTextures::new(gpu, scene, filtered)?;
         let materials = scene.materials.iter().chain(&panels.materials);
         let materials = materials.map(|m| GpuMaterial::new(gpu, m, scene)).collect();
         let gpu_scene = Self {
@@ -137,7 +132,7 @@ impl GpuScene {
             first_vertices: geometry.first_vertices,
             materials,
         };
-        Ok((gpu_scene, MaterialTextures { textures, samplers }))
+        Ok((gpu_scene, textures))
     }
 
     /// Moves the scene, from the next submission on; for a pose of the scene that this was made of.
@@ -170,9 +165,9 @@ impl GpuScene {
         let bind = |m: &GpuMaterial| {
             let bindings = Bindings::new()
                 .read("material", &m.uniform)
-                .read("base_color_texture", &shared.textures[m.base_color])
-                .read("emission_texture", &shared.textures[m.emission])
-                .read("material_sampler", &shared.samplers[m.sampler]);
+                .read("base_color_texture", shared.texture(m.base_color_texture))
+                .read("emission_texture", shared.texture(m.emission_texture))
+                .read("material_sampler", shared.sampler(m.wrap));
             program.bind(gpu, 1, &bindings)
         };
         self.materials.iter().map(bind).collect()
@@ -233,53 +228,25 @@ impl GpuMaterial {
             AlphaMode::Mask { cutoff } => cutoff,
             AlphaMode::Blend => 0.5,
         };
-        let value =
-            MaterialUniform { base_color: material.base_color, emission: material.emission, alpha_cutoff };
-        // Texture 0 is white; the scene's follow.
-        let slot = |texture: Option<usize>| texture.map_or(0, |t| t + 1);
-        let wrap = material.base_color_texture.or(material.emission_texture).map(|t| scene.textures[t].wrap);
-        let wanted = wrap.unwrap_or([Wrap::Repeat; 2]);
+        let is_srgb = |texture: Option<usize>| u32::from(texture.is_some_and(|t| scene.textures[t].srgb));
+        let [base_color_texture, emission_texture] = [material.base_color_texture, material.emission_texture];
+        let value = MaterialUniform {
+            base_color: material.base_color,
+            emission: material.emission,
+            alpha_cutoff,
+            decodes_base_color: is_srgb(base_color_texture),
+            decodes_emission: is_srgb(emission_texture),
+            reserved_0: 0,
+            reserved_1: 0,
+        };
+        let wrap = base_color_texture.or(emission_texture).map(|t| scene.textures[t].wrap);
         Self {
             uniform: Uniform::new(gpu, "scene/material", &value),
-            base_color: slot(material.base_color_texture),
-            emission: slot(material.emission_texture),
-            sampler: WRAPS.iter().position(|w| *w == wanted).unwrap_or(0),
+            base_color_texture,
+            emission_texture,
+            wrap: wrap.unwrap_or([Wrap::Repeat; 2]),
         }
     }
-}
-
-const WRAPS: [[Wrap; 2]; 9] = {
-    let kinds = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
-    let mut wraps = [[Wrap::Repeat; 2]; 9];
-    let mut n = 0;
-    while n < 9 {
-        wraps[n] = [kinds[n % 3], kinds[n / 3]];
-        n += 1;
-    }
-    wraps
-};
-
-fn sampler(gpu: &Gpu, wrap: [Wrap; 2], filtered: bool) -> Sampler {
-    let mode = |wrap: Wrap| match wrap {
-        Wrap::Repeat => wgpu::AddressMode::Repeat,
-        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
-        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
-    };
-    Sampler::new(
-        gpu,
-        &wgpu::SamplerDescriptor {
-            label: Some("scene/sampler"),
-            address_mode_u: mode(wrap[0]),
-            address_mode_v: mode(wrap[1]),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            // Floors seen at a grazing angle keep their tiles.
-            anisotropy_clamp: if filtered { 8 } else { 1 },
-            lod_max_clamp: if filtered { 32.0 } else { 0.0 },
-            ..Default::default()
-        },
-    )
 }
 
 fn filled<T: Pod>(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, values: &[T]) -> Buffer {
@@ -287,80 +254,4 @@ fn filled<T: Pod>(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, values: &[T
     let buffer = Buffer::with_usage(gpu, label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
     gpu.queue.write_buffer(&buffer.raw, 0, bytes);
     buffer
-}
-
-fn white() -> Image {
-    Image {
-        name: "white".to_owned(),
-        width: 1,
-        height: 1,
-        srgb: false,
-        pixels: vec![255; 4],
-        wrap: [Wrap::Repeat; 2],
-    }
-}
-
-/// `masks`: texels that are holes have no colour to mix in.
-fn upload_texture(gpu: &Gpu, image: &Image, masks: bool) -> Result<Texture, GpuError> {
-    let format =
-        if image.srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
-    let size = [image.width, image.height];
-    let mips = image.width.max(image.height).max(1).ilog2() + 1;
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    let texture = Texture::new(gpu, &image.name, TextureOptions { size, format, usage, mips })?;
-    let mut level = (size, image.pixels.clone());
-    for mip_level in 0..mips {
-        let ([width, height], pixels) = &level;
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo { mip_level, ..texture.raw.as_image_copy() },
-            pixels,
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
-            wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
-        );
-        level = halved(&level.1, level.0, image.srgb, masks);
-    }
-    Ok(texture)
-}
-
-/// The next mip level: means of 2 x 2 texels, taken in linear light; of colours, weighted by opacity if the texture masks.
-fn halved(pixels: &[u8], [width, height]: [u32; 2], srgb: bool, masks: bool) -> ([u32; 2], Vec<u8>) {
-    const CORNERS: [[u32; 2]; 4] = [[0, 0], [1, 0], [0, 1], [1, 1]];
-    let half = [(width / 2).max(1), (height / 2).max(1)];
-    let mut out = Vec::with_capacity((4 * half[0] * half[1]) as usize);
-    for y in 0..half[1] {
-        for x in 0..half[0] {
-            let texels = CORNERS.map(|[dx, dy]| {
-                let (x, y) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
-                let at = (4 * (y * width + x)) as usize;
-                let value = |c: usize| f32::from(pixels[at + c]) / 255.0;
-                let color = |c: usize| if srgb { value(c).powf(2.2) } else { value(c) };
-                [color(0), color(1), color(2), value(3)]
-            });
-            let opacity: f32 = texels.iter().map(|t| t[3]).sum();
-            for c in 0..4 {
-                let weight =
-                    |t: &[f32; 4]| if masks && c < 3 && opacity > 0.0 { t[3] / opacity } else { 0.25 };
-                let mean: f32 = texels.iter().map(|t| weight(t) * t[c]).sum();
-                let value = if srgb && c < 3 { mean.powf(1.0 / 2.2) } else { mean };
-                out.push((255.0 * value + 0.5) as u8);
-            }
-        }
-    }
-    (half, out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn holes_lend_no_colour_to_what_is_around_them() {
-        let leaf_and_holes = [80, 160, 40, 255, 0, 0, 0, 0, 255, 0, 255, 0, 0, 0, 0, 0];
-        let (size, mixed) = halved(&leaf_and_holes, [2, 2], false, true);
-        assert_eq!((size, mixed.as_slice()), ([1, 1], [80, 160, 40, 64].as_slice()));
-        let (_, plain) = halved(&leaf_and_holes, [2, 2], false, false);
-        assert_eq!(plain, [84, 40, 74, 64]);
-        let (_, nothing) = halved(&[9, 9, 9, 0].repeat(4), [2, 2], true, true);
-        assert_eq!(nothing, [9, 9, 9, 0]);
-    }
 }

@@ -5,7 +5,8 @@
 //!
 //! | module | one line |
 //! | --- | --- |
-//! | [`gpu_scene`] | a scene's meshes, materials and textures on the GPU |
+//! | [`gpu_scene`] | a scene's meshes and materials on the GPU |
+//! | [`material_textures`] | their textures, filtered or looked up at a point |
 //! | [`surface`] | rasterizes surfaces into G-buffers and reflective shadow maps |
 //! | [`lights`] | a light's views, and what it sends where |
 //! | [`shadow`] | depth from a light's view |
@@ -24,6 +25,7 @@ pub mod composite;
 pub mod direct;
 pub mod gpu_scene;
 pub mod lights;
+pub mod material_textures;
 pub mod renderer;
 pub mod shadow;
 mod subcells;

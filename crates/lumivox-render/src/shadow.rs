@@ -11,9 +11,10 @@
 use lumivox::gpu::{Bindings, Gpu, GpuError, Program, Shader, Texture};
 use lumivox::{wgpu, wgsl};
 
-use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_BUFFERS};
+use crate::gpu_scene::{GpuScene, VERTEX_BUFFERS};
+use crate::material_textures::MaterialTextures;
 use crate::renderer::ShadowTile;
-use crate::surface::{DEPTH_FORMAT, SURFACE};
+use crate::surface::{DEPTH_FORMAT, SURFACE, material_options};
 
 /// The shader of opaque surfaces.
 pub const OPAQUE_SHADER: Shader =
@@ -35,8 +36,8 @@ pub struct ShadowPass {
 impl ShadowPass {
     /// Compiles it for a scene's materials.
     pub fn new(gpu: &Gpu, scene: &GpuScene, shared: &MaterialTextures) -> Result<Self, GpuError> {
-        let opaque = pipeline(gpu, &OPAQUE_SHADER, false);
-        let masked = pipeline(gpu, &MASKED_SHADER, true);
+        let opaque = pipeline(gpu, &OPAQUE_SHADER, None);
+        let masked = pipeline(gpu, &MASKED_SHADER, Some(shared));
         let materials = scene.bind_materials(gpu, shared, &masked.1)?;
         Ok(Self { opaque, masked, materials })
     }
@@ -91,7 +92,12 @@ impl ShadowPass {
     }
 }
 
-fn pipeline(gpu: &Gpu, shader: &Shader, has_fragment: bool) -> (wgpu::RenderPipeline, Program) {
+/// With a fragment stage if it is given materials to look up.
+fn pipeline(
+    gpu: &Gpu,
+    shader: &Shader,
+    materials: Option<&MaterialTextures>,
+) -> (wgpu::RenderPipeline, Program) {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(shader.name),
         source: wgpu::ShaderSource::Wgsl(shader.source().into()),
@@ -103,7 +109,7 @@ fn pipeline(gpu: &Gpu, shader: &Shader, has_fragment: bool) -> (wgpu::RenderPipe
             module: &module,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: if has_fragment { &VERTEX_BUFFERS } else { &VERTEX_BUFFERS[..1] },
+            buffers: if materials.is_some() { &VERTEX_BUFFERS } else { &VERTEX_BUFFERS[..1] },
         },
         primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
@@ -114,10 +120,10 @@ fn pipeline(gpu: &Gpu, shader: &Shader, has_fragment: bool) -> (wgpu::RenderPipe
             bias: Default::default(),
         }),
         multisample: Default::default(),
-        fragment: has_fragment.then_some(wgpu::FragmentState {
+        fragment: materials.map(|shared| wgpu::FragmentState {
             module: &module,
             entry_point: Some("fragment"),
-            compilation_options: Default::default(),
+            compilation_options: material_options(shared),
             targets: &[],
         }),
         multiview_mask: None,

@@ -21,8 +21,9 @@ use lumivox::progressive::{InjectionScale, ViewInput, ViewTextures};
 use lumivox::wgpu::{self, TextureFormat};
 use lumivox::wgsl;
 
-use crate::gpu_scene::{GpuScene, MaterialTextures, VERTEX_BUFFERS};
+use crate::gpu_scene::{GpuScene, VERTEX_BUFFERS};
 use crate::lights::{LIGHTS, LightUniform};
+use crate::material_textures::MaterialTextures;
 
 pub(crate) const SURFACE: &str = include_str!("surface.wgsl");
 /// The shared shader module of directions in two numbers.
@@ -156,7 +157,7 @@ impl SurfacePass {
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some("fragment"),
-                compilation_options: Default::default(),
+                compilation_options: material_options(shared),
                 targets: &targets,
             }),
             multiview_mask: None,
@@ -217,6 +218,11 @@ impl SurfacePass {
         }
         Ok(())
     }
+}
+
+/// How fragment stages look materials up.
+pub(crate) fn material_options(shared: &MaterialTextures) -> wgpu::PipelineCompilationOptions<'static> {
+    wgpu::PipelineCompilationOptions { constants: shared.constants(), ..Default::default() }
 }
 
 fn color(target: &Texture) -> Option<wgpu::RenderPassColorAttachment<'_>> {

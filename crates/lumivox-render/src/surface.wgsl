@@ -4,7 +4,14 @@ struct MaterialUniform {
     base_color: vec4f,
     emission: vec3f,
     alpha_cutoff: f32,
+    decodes_base_color: u32,
+    decodes_emission: u32,
+    reserved_0: u32,
+    reserved_1: u32,
 }
+
+// Whether textures are looked up at a point, as a path tracer does, or filtered over the pixel.
+override LOOKS_UP_POINTS: bool;
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<storage, read> instances: array<mat4x4f>;
@@ -86,10 +93,44 @@ fn facing_normal(normal: vec3f, face: vec3f) -> vec3f {
     return select(n, -n, dot(n, face) < 0.0);
 }
 
+// IEC 61966-2-1; opacity is not encoded.
+fn linear_from_srgb(encoded: vec4f) -> vec4f {
+    let c = encoded.rgb;
+    let linear = select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+    return vec4f(linear, encoded.a);
+}
+
+// Bilinear: four texels are decoded and then blended. The sampler takes the nearest texel, here always in its middle, and
+// wraps what lies outside.
+fn texture_at_point(texture: texture_2d<f32>, uv: vec2f, decodes: bool) -> vec4f {
+    let size = vec2f(textureDimensions(texture));
+    let texels = uv * size - 0.5;
+    let low = floor(texels);
+    let share = texels - low;
+    var rows: array<vec4f, 2>;
+    for (var y = 0; y < 2; y++) {
+        var row: array<vec4f, 2>;
+        for (var x = 0; x < 2; x++) {
+            let middle = low + vec2f(vec2i(x, y)) + 0.5;
+            let texel = textureSampleLevel(texture, material_sampler, middle / size, 0.0);
+            row[x] = select(texel, linear_from_srgb(texel), decodes);
+        }
+        rows[y] = mix(row[0], row[1], share.x);
+    }
+    return mix(rows[0], rows[1], share.y);
+}
+
 fn surface_at(in: Varyings) -> Surface {
-    let base = textureSample(base_color_texture, material_sampler, in.uv);
-    let glow = textureSample(emission_texture, material_sampler, in.uv).rgb;
+    var base: vec4f;
+    var glow: vec4f;
+    if LOOKS_UP_POINTS {
+        base = texture_at_point(base_color_texture, in.uv, material.decodes_base_color != 0u);
+        glow = texture_at_point(emission_texture, in.uv, material.decodes_emission != 0u);
+    } else {
+        base = textureSample(base_color_texture, material_sampler, in.uv);
+        glow = textureSample(emission_texture, material_sampler, in.uv);
+    }
     let albedo = material.base_color * base * in.color;
     let face = visible_face(in.eye);
-    return Surface(albedo, material.emission * glow, facing_normal(in.normal, face), face);
+    return Surface(albedo, material.emission * glow.rgb, facing_normal(in.normal, face), face);
 }

@@ -67,7 +67,7 @@ pub struct Settings {
     /// Injection points a side of a light's view. The camera injects every pixel up to this many a side.
     pub points: u32,
     /// Whether textures are filtered over the area of a pixel (mip levels, anisotropic), as pictures need it; without, they are
-    /// looked up at a point, as a path tracer does, to compare with one.
+    /// looked up at a point and decoded exactly, as a path tracer does, to compare with one.
     pub filtered_textures: bool,
     /// What the picture shows.
     pub layer: Layer,

@@ -13,6 +13,7 @@ use crate::scenes::{Quad, add, picture, small};
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("left is left and up is up", orientation),
     ("a texture stands upright", upright_texture),
+    ("textures looked up at a point are decoded and blended exactly", texture_at_a_point),
     ("the albedo layer is base colour times vertex colour", albedo),
     ("emission is its radiance, once", emission),
     ("the sky's radiance is where nothing is", sky),
@@ -86,6 +87,85 @@ fn upright_texture(gpu: &Gpu) -> Result<(), Failed> {
         assert!((seen - expected).abs().max_element() < 0.01, "{seen} at {p}: {expected}");
     }
     assert!(counts.iter().all(|&c| c > 40), "{counts:?}");
+    Ok(())
+}
+
+/// Every byte once in each channel, in no order, not square, and going on in some way beyond its border.
+fn all_bytes(srgb: bool, wrap: [Wrap; 2]) -> Texture {
+    let pixels =
+        (0..256u32).flat_map(|n| [89 * n, 151 * n + 70, 211 * n + 140, 255].map(|b| (b % 256) as u8));
+    Texture { name: "all bytes".to_owned(), width: 32, height: 8, srgb, pixels: pixels.collect(), wrap }
+}
+
+/// What a texture holds at a point, by definition: texels decoded by IEC 61966-2-1, then blended.
+fn bilinear(texture: &Texture, uv: [f64; 2]) -> [f64; 3] {
+    let size = [texture.width, texture.height].map(i64::from);
+    let at = [0, 1].map(|a| uv[a] * size[a] as f64 - 0.5);
+    let wrapped = |n: i64, axis: usize| match texture.wrap[axis] {
+        Wrap::Repeat => n.rem_euclid(size[axis]),
+        Wrap::Clamp => n.clamp(0, size[axis] - 1),
+        Wrap::Mirror => {
+            let within = n.rem_euclid(2 * size[axis]);
+            within.min(2 * size[axis] - 1 - within)
+        }
+    };
+    let decoded = |byte: u8| match (texture.srgb, f64::from(byte) / 255.0) {
+        (false, value) => value,
+        (true, value) if value <= 0.040_45 => value / 12.92,
+        (true, value) => ((value + 0.055) / 1.055).powf(2.4),
+    };
+    let mut sum = [0.0; 3];
+    for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+        let [x, y] = [0, 1].map(|a| wrapped(at[a].floor() as i64 + corner[a], a));
+        let share = |a: usize| 1.0 - (at[a].floor() + corner[a] as f64 - at[a]).abs();
+        let texel = 4 * (y * size[0] + x) as usize;
+        for (c, sum) in sum.iter_mut().enumerate() {
+            *sum += share(0) * share(1) * decoded(texture.pixels[texel + c]);
+        }
+    }
+    sum
+}
+
+/// As base colour and as emission, inside of the texture and beyond it. Mesa's software driver, left to decode sRGB itself, is
+/// out by nine times as much as this allows.
+fn texture_at_a_point(gpu: &Gpu) -> Result<(), Failed> {
+    let quad = Quad::upright(Vec3::ZERO, 3.6, 2.4);
+    let size = UVec2::new(96, 64);
+    let looks = [
+        (true, [Wrap::Repeat, Wrap::Mirror]),
+        (true, [Wrap::Clamp, Wrap::Repeat]),
+        (false, [Wrap::Mirror, Wrap::Clamp]),
+    ];
+    for ((srgb, wrap), layer) in looks.into_iter().zip([Layer::Albedo, Layer::Final, Layer::Albedo]) {
+        let texture = all_bytes(srgb, wrap);
+        let glows = layer == Layer::Final;
+        let material = Material {
+            base_color_texture: (!glows).then_some(0),
+            emission_texture: glows.then_some(0),
+            emission: if glows { Vec3::ONE } else { Vec3::ZERO },
+            ..Material::matte("bytes", Vec3::ONE)
+        };
+        let mut scene = Scene { textures: vec![texture], ..Scene::default() };
+        add(&mut scene, material, &[quad]);
+        for uv in &mut scene.meshes[0].uvs {
+            *uv = [1.6 * uv[0] - 0.3, 2.5 * uv[1] - 0.8];
+        }
+        let settings = Settings { size, layer, filtered_textures: false, ..small() };
+        let picture = picture(gpu, &scene, &front(), settings)?;
+        let mut largest = 0.0f64;
+        for (ray, seen) in rays(&front(), size).into_iter().zip(picture) {
+            let p = (ray.origin - ray.direction * (ray.origin.z / ray.direction.z)).as_dvec3();
+            let uv = [1.6 * (p.x / 3.6 + 0.5) - 0.3, 2.5 * (0.5 - p.y / 2.4) - 0.8];
+            let expected = bilinear(&scene.textures[0], uv);
+            for (seen, expected) in seen.to_array().into_iter().zip(expected) {
+                // A GPU may cut numbers off that do not fit half floats: 1/1024 at most.
+                let beyond = (f64::from(seen) - expected).abs() - expected / 1024.0;
+                largest = largest.max(beyond);
+            }
+        }
+        // Coordinates are interpolated in 24 bits, and neighbouring texels differ by up to one.
+        assert!(largest < 1e-4, "srgb {srgb}, {wrap:?}: {largest:.2e}");
+    }
     Ok(())
 }
 
