@@ -8,7 +8,7 @@ use lumivox_scene::Scene;
 use serde::Serialize;
 
 /// The adapter in use.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct AdapterStats {
     name: String,
     backend: String,

@@ -6,6 +6,8 @@ use std::str::FromStr;
 use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Args, ValueEnum};
 use glam::UVec3;
+use lumivox::volume::Format as StoredFormat;
+use lumivox::voxelize as gpu;
 use lumivox_core::{Bounds, Grid};
 use lumivox_voxels::files::FileFormat;
 use lumivox_voxels::{Channel, Coverage, Format, Rule};
@@ -51,9 +53,9 @@ pub(crate) struct VoxelizeArgs {
     #[arg(long, value_name = "CELLS", default_value_t = 0.0)]
     pub(crate) snap: f64,
     /// Which cells a triangle marks: all that it touches, the fewest that let no path of face neighbours through, or one per column
-    /// of the axis that it faces most.
-    #[arg(long, value_enum, default_value = "exact")]
-    pub(crate) coverage: CoverageArg,
+    /// of the axis that it faces most. Exact unless said otherwise; sampled for the methods that rasterize.
+    #[arg(long, value_enum)]
+    pub(crate) coverage: Option<CoverageArg>,
     /// What is stored per cell: occupancy (always there), albedo, normal, emission, area; each with a format (u8, f16, f32) and a rule
     /// for several surfaces in a cell (average, nearest, max, sum), as in albedo:u8,normal:f32,emission:f16:max. Without it
     /// occupancy, and albedo where the format has a place for it.
@@ -72,9 +74,17 @@ pub(crate) struct VoxelizeArgs {
     /// otherwise.
     #[arg(long, value_name = "NAME|N|none")]
     pub(crate) clip: Option<ClipArg>,
-    /// Where it is done; auto takes a GPU where there is one, and says which.
+    /// Where it is done. Auto takes a GPU where there is one that can do what is asked, and the CPU where there is only a software
+    /// driver; a line at the end says which. Gpu takes a software driver too.
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) device: DeviceArg,
+    /// How it is done. All but cpu mean --device gpu, and all but cpu and direct mean --coverage sampled: direct tests the cells of
+    /// each triangle in compute shaders, the others rasterize. Slicemap knows occupancy alone.
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<MethodArg>,
+    /// Take the adapter with this in its name; means --device gpu.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
     /// Most memory that a volume and the work on it may take, in MiB.
     #[arg(long, value_name = "MIB", default_value_t = 8192, value_parser = clap::value_parser!(u64).range(1..=1 << 24))]
     pub(crate) memory: u64,
@@ -85,16 +95,25 @@ pub(crate) struct VoxelizeArgs {
 
 impl VoxelizeArgs {
     /// The channels for a format, in the order asked for, and those asked for that it has no place for.
-    pub(crate) fn channels_for(&self, format: FileFormat) -> (Vec<Channel>, Vec<&'static str>) {
-        let default = [ChannelArg { name: "albedo", format: None, rule: None }];
+    pub(crate) fn channels_for(&self, format: FileFormat) -> (Vec<ChannelArg>, Vec<&'static str>) {
+        let is_bare = self.method == Some(MethodArg::Slicemap);
+        let default =
+            [ChannelArg { name: if is_bare { OCCUPANCY } else { "albedo" }, format: None, rule: None }];
         let (asked, left_out): (Vec<&ChannelArg>, Vec<&ChannelArg>) =
             if self.channels.is_empty() { &default[..] } else { &self.channels }
                 .iter()
                 .filter(|channel| channel.name != OCCUPANCY)
                 .partition(|channel| format.holds(channel.name));
         let left_out = if self.channels.is_empty() { Vec::new() } else { left_out };
-        let channels = asked.into_iter().map(|channel| channel.channel(self.color)).collect();
-        (channels, left_out.into_iter().map(|channel| channel.name).collect())
+        (asked.into_iter().copied().collect(), left_out.into_iter().map(|channel| channel.name).collect())
+    }
+
+    /// The coverage that was asked for, or that of the method.
+    pub(crate) fn coverage(&self) -> CoverageArg {
+        self.coverage.unwrap_or(match self.method {
+            Some(method) if method.is_sampled() => CoverageArg::Sampled,
+            _ => CoverageArg::Exact,
+        })
     }
 }
 
@@ -103,6 +122,35 @@ pub(crate) enum DeviceArg {
     Auto,
     Gpu,
     Cpu,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum MethodArg {
+    Direct,
+    Slicing,
+    Clipping,
+    SlicePerPass,
+    Slicemap,
+    Cpu,
+}
+
+impl MethodArg {
+    /// As on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Slicing => "slicing",
+            Self::Clipping => "clipping",
+            Self::SlicePerPass => "slice-per-pass",
+            Self::Slicemap => "slicemap",
+            Self::Cpu => "cpu",
+        }
+    }
+
+    /// Whether it knows sampled coverage alone.
+    pub(crate) fn is_sampled(self) -> bool {
+        !matches!(self, Self::Direct | Self::Cpu)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -199,7 +247,8 @@ impl ChannelArg {
         self.name
     }
 
-    fn channel(&self, color: ColorArg) -> Channel {
+    /// As the CPU's voxelizer has it.
+    pub(crate) fn channel(&self, color: ColorArg) -> Channel {
         let rule_of_colors = match color {
             ColorArg::Average => Rule::Average,
             ColorArg::Nearest => Rule::Nearest,
@@ -217,6 +266,36 @@ impl ChannelArg {
             channel = channel.rule(rule);
         }
         channel
+    }
+
+    /// As the GPU's voxelizer has it, for surfaces that emit at most `brightest`.
+    pub(crate) fn gpu_channel(&self, color: ColorArg, brightest: f32) -> gpu::Channel {
+        let rule_of_colors = match color {
+            ColorArg::Average => gpu::Rule::Average,
+            ColorArg::Nearest => gpu::Rule::Nearest,
+        };
+        // What bytes stand for differs for emission and area, so these become bytes on the way to the file.
+        let (mut channel, default, smallest) = match self.name {
+            "normal" => (gpu::Channel::normal().unit(true), Format::F16, Format::U8),
+            "emission" => {
+                let channel = gpu::Channel::emission().range(0.0, brightest).rule(rule_of_colors);
+                (channel, Format::F16, Format::F16)
+            }
+            "area" => (gpu::Channel::area(), Format::F32, Format::F32),
+            _ => (gpu::Channel::albedo().rule(rule_of_colors), Format::U8, Format::U8),
+        };
+        channel = channel.format(match (self.format.unwrap_or(default), smallest) {
+            (Format::U8, Format::U8) => StoredFormat::U8,
+            (Format::U8 | Format::F16, Format::U8 | Format::F16) => StoredFormat::F16,
+            _ => StoredFormat::F32,
+        });
+        match self.rule {
+            Some(Rule::Average) => channel.rule(gpu::Rule::Average),
+            Some(Rule::Nearest) => channel.rule(gpu::Rule::Nearest),
+            Some(Rule::Maximum) => channel.rule(gpu::Rule::Maximum),
+            Some(Rule::Sum) => channel.rule(gpu::Rule::Sum),
+            None => channel,
+        }
     }
 }
 

@@ -2,22 +2,24 @@
 
 mod args;
 mod device;
+mod gpu;
 mod model;
 mod outputs;
 mod report;
 mod stages;
 mod texture;
+mod upload;
 
 use anyhow::{Context, Result, bail};
 use glam::{UVec3, Vec3};
 use lumivox_core::{Bounds, Grid};
 use lumivox_scene::Scene;
-use lumivox_voxels::{GridSpec, VoxelizeOptions};
+use lumivox_voxels::GridSpec;
 use serde::Serialize;
 
+use args::RESOLUTION;
 pub(crate) use args::VoxelizeArgs;
-use args::{ColorArg, RESOLUTION};
-use device::Device;
+use device::{Device, Work};
 use model::Surfaces;
 use outputs::Task;
 use report::VolumeStats;
@@ -45,7 +47,7 @@ struct Failure {
 pub(crate) fn run(args: &VoxelizeArgs) -> Result<()> {
     check(args)?;
     let tasks = outputs::tasks(args)?;
-    let device = Device::choose(args.device)?;
+    let device = Device::choose(args)?;
     outputs::prepare(args, &tasks)?;
     let start = clock::millis();
     if let [task] = tasks.as_slice() {
@@ -94,36 +96,24 @@ fn voxelize(args: &VoxelizeArgs, task: &Task<'_>, device: &Device) -> Result<Vol
     let input = task.input;
     let stages = Stages::start("load");
     let scene = load(args, input)?;
-    stages.enter("textures");
     let (channels, left_out) = args.channels_for(task.format);
-    let surfaces = Surfaces::new(&scene, args.color == ColorArg::Average && !channels.is_empty());
-    let model = surfaces.model(&scene);
-    let own_bounds = model.bounds();
+    let own_bounds = Surfaces::new(&scene, false).model(&scene).bounds();
     let grid =
         grid(args, &args.bounds.map_or(own_bounds, |bounds| bounds.0)).with_context(|| input.to_owned())?;
     task.format.check(&task.path, &grid)?;
-    let progress = |progress| stages.report(progress);
-    let options = VoxelizeOptions {
-        grid: GridSpec::Grid(grid),
-        coverage: args.coverage.into(),
-        channels,
-        solid: args.solid,
-        snap: args.snap,
-        memory_limit: args.memory << 20,
-        progress: Some(&progress),
-        ..VoxelizeOptions::default()
-    };
-    let volume = device.voxelize(&model, &options).with_context(|| input.to_owned())?;
+    let work = Work { args, scene: &scene, grid, channels: &channels, stages: &stages };
+    let made = device.voxelize(&work).with_context(|| input.to_owned())?;
+    let volume = &made.volume;
     if volume.is_empty() {
         explain_emptiness(args, input, &own_bounds)?;
     }
-    let mut done = VolumeStats::new(input, device, &scene, &volume);
+    let mut done = VolumeStats::new(input, &scene, &made);
     stages.enter("write");
-    done.add_files(outputs::write(task, &volume)?);
+    done.add_files(outputs::write(task, volume)?);
     done.stages = stages.finish();
     done.total_ms = clock::millis() - start;
     done.peak_memory_bytes = report::peak_memory_bytes();
-    done.coverage = format!("{:?}", args.coverage).to_lowercase();
+    done.coverage = format!("{:?}", args.coverage()).to_lowercase();
     for channel in &left_out {
         eprintln!(
             "lumivox: {}: the format has no place for {channel}, which is left out",
@@ -140,7 +130,7 @@ fn voxelize(args: &VoxelizeArgs, task: &Task<'_>, device: &Device) -> Result<Vol
         report::count(volume.len(), "voxel"),
         report::sides(grid.dims),
         grid.cell_size,
-        device.name()
+        made.device.name()
     );
     Ok(done)
 }

@@ -75,7 +75,7 @@ impl<'a> Surfaces<'a> {
 }
 
 /// The opacity below which a material has holes; none if it is above it everywhere.
-fn holes(scene: &Scene, number: usize) -> Option<f32> {
+pub(super) fn holes(scene: &Scene, number: usize) -> Option<f32> {
     let material = &scene.materials[number];
     let cutoff = match material.alpha {
         AlphaMode::Opaque => return None,

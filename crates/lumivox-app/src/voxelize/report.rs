@@ -9,7 +9,7 @@ use lumivox_voxels::{Rule, SolidReport, SparseVolume};
 use serde::Serialize;
 
 use super::args::{FORMATS, RULES};
-use super::device::Device;
+use super::device::{DeviceStats, Made};
 use crate::stats::StageStats;
 
 /// One mesh that became a volume.
@@ -17,7 +17,7 @@ use crate::stats::StageStats;
 pub(super) struct VolumeStats {
     pub(super) input: String,
     pub(super) files: Vec<PathBuf>,
-    pub(super) device: Device,
+    pub(super) device: DeviceStats,
     pub(super) coverage: String,
     pub(super) meshes: usize,
     pub(super) textures: usize,
@@ -89,17 +89,18 @@ impl From<&SolidReport> for SolidStats {
 }
 
 impl VolumeStats {
-    pub(super) fn new(input: &str, device: &Device, scene: &Scene, volume: &SparseVolume) -> Self {
+    pub(super) fn new(input: &str, scene: &Scene, made: &Made) -> Self {
+        let volume = &made.volume;
         let grid = volume.grid();
         Self {
             input: input.to_owned(),
             files: Vec::new(),
-            device: device.clone(),
+            device: made.device.clone(),
             coverage: String::new(),
             meshes: scene.meshes.len(),
             textures: scene.textures.len(),
-            triangles: volume.report().triangles,
-            skipped_triangles: volume.report().skipped_triangles,
+            triangles: scene.triangle_count(),
+            skipped_triangles: made.skipped_triangles,
             dims: grid.dims.to_array(),
             origin: grid.origin.to_array(),
             cell_size_m: grid.cell_size,

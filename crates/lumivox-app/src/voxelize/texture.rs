@@ -44,9 +44,52 @@ impl<'a> Sampler<'a> {
         });
         let mut sampler = Self { texture, linear_from_byte, by_opacity, levels: Vec::new() };
         while averages && sampler.size(sampler.levels.len()) != [1, 1] {
-            sampler.levels.push(sampler.halved(sampler.levels.len()));
+            let level = sampler.levels.len();
+            sampler.levels.push(sampler.halved(level, sampler.size(level).map(|side| side.div_ceil(2))));
         }
         sampler
+    }
+
+    /// The image and, for averages, its mip levels as a GPU has them, odd sides halved downwards: sides and RGBA8, encoded as the
+    /// image is.
+    pub(super) fn mip_levels(
+        texture: &'a Texture,
+        by_opacity: bool,
+        averages: bool,
+    ) -> Vec<([u32; 2], Vec<u8>)> {
+        let mut sampler = Self::new(texture, by_opacity, false);
+        let mut mips = vec![(sampler.size(0), texture.pixels.clone())];
+        while averages && sampler.size(sampler.levels.len()) != [1, 1] {
+            let level = sampler.levels.len();
+            let size = sampler.size(level).map(|side| (side / 2).max(1));
+            sampler.levels.push(sampler.halved(level, size));
+            mips.push((size, sampler.bytes(level + 1)));
+        }
+        mips
+    }
+
+    /// The texels of a level, encoded as the image is.
+    fn bytes(&self, level: usize) -> Vec<u8> {
+        let [width, height] = self.size(level);
+        let mut bytes = Vec::with_capacity(4 * width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let texel = self.texel(level, x, y);
+                let share = if self.by_opacity && texel.w > 0.0 { texel.w } else { 1.0 };
+                let color = (texel / share).to_array();
+                bytes.extend(color[..3].iter().map(|&value| self.byte_from_linear(value)));
+                bytes.push((255.0 * texel.w + 0.5) as u8);
+            }
+        }
+        bytes
+    }
+
+    /// The byte whose value is nearest.
+    fn byte_from_linear(&self, value: f32) -> u8 {
+        let above = self.linear_from_byte.partition_point(|known| *known < value).min(255);
+        let below = above.saturating_sub(1);
+        let is_lower = value - self.linear_from_byte[below] < self.linear_from_byte[above] - value;
+        if is_lower { below as u8 } else { above as u8 }
     }
 
     fn size(&self, level: usize) -> [u32; 2] {
@@ -75,10 +118,9 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The image of half a level's size.
-    fn halved(&self, level: usize) -> Level {
+    /// A level with fewer texels.
+    fn halved(&self, level: usize, [width, height]: [u32; 2]) -> Level {
         let [from_width, from_height] = self.size(level);
-        let (width, height) = (from_width.div_ceil(2), from_height.div_ceil(2));
         let mut texels = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
             for x in 0..width {
@@ -218,6 +260,17 @@ mod tests {
             let found = sampler.texel(sampler.levels.len(), 0, 0);
             assert!((found - mean).abs().max_element() < 1e-3, "{width} x {height}: {found} {mean}");
         }
+    }
+
+    #[test]
+    fn mip_levels_keep_means_and_the_colours_of_leaves() {
+        let board = texture(7, 4, |x, y| if (x + y) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
+        let mips = Sampler::mip_levels(&board, false, true);
+        assert_eq!(mips.iter().map(|mip| mip.0).collect::<Vec<_>>(), [[7, 4], [3, 2], [1, 1]]);
+        // Half of all light is 188 in sRGB.
+        assert_eq!(mips[2].1, [188, 188, 188, 255]);
+        let leaves = texture(4, 4, |x, _| if x < 2 { [255, 0, 0, 255] } else { [0, 0, 0, 0] });
+        assert_eq!(Sampler::mip_levels(&leaves, true, true)[2].1, [255, 0, 0, 128]);
     }
 
     #[test]
