@@ -274,9 +274,10 @@ impl ChannelArg {
             ColorArg::Average => gpu::Rule::Average,
             ColorArg::Nearest => gpu::Rule::Nearest,
         };
-        // What bytes stand for differs for emission and area, so these become bytes on the way to the file.
+        // What bytes stand for differs for emission and area, and normals are of any length here: these become bytes on the way to
+        // the file.
         let (mut channel, default, smallest) = match self.name {
-            "normal" => (gpu::Channel::normal().unit(true), Format::F16, Format::U8),
+            "normal" => (gpu::Channel::normal(), Format::F16, Format::F16),
             "emission" => {
                 let channel = gpu::Channel::emission().range(0.0, brightest).rule(rule_of_colors);
                 (channel, Format::F16, Format::F16)

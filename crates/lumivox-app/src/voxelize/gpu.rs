@@ -8,6 +8,7 @@ use lumivox::wgpu::CommandEncoderDescriptor;
 use lumivox_core::Grid;
 use lumivox_scene::Scene;
 use lumivox_voxels::SparseVolume;
+use rayon::prelude::*;
 
 use super::args::{ColorArg, CoverageArg, MethodArg, VoxelizeArgs};
 use super::device::Work;
@@ -63,13 +64,27 @@ pub(super) fn voxelize(work: &Work<'_>, gpu: &Gpu, method: MethodArg) -> Result<
 
     stages.enter("read back");
     let occupied = voxelizer.read_occupancy(gpu)?;
-    let values = values.read_back(gpu)?;
+    let mut values = values.read_back(gpu)?;
+    let normals = values.channel("normal").map(|means| means.par_iter().map(|&mean| unit(mean)).collect());
+    if let Some(normals) = normals {
+        values.insert("normal", normals);
+    }
     let mut lists: Vec<(lumivox_voxels::Channel, &[Vec4])> = Vec::with_capacity(channels.len());
     for channel in work.channels {
         let list = values.channel(channel.name());
         lists.push((channel.channel(args.color), list.unwrap_or_default()));
     }
     Ok((SparseVolume::from_dense(*grid, &occupied, &lists)?, ms))
+}
+
+/// A mean normal shorter than this is what rounding leaves of normals that cancel.
+const CANCELLED: f32 = 1e-4;
+
+/// At unit length; zero where normals cancel.
+fn unit(mean: Vec4) -> Vec4 {
+    let normal = mean.truncate();
+    let length = normal.length();
+    if length > CANCELLED { (normal / length).extend(mean.w) } else { Vec4::ZERO.with_w(mean.w) }
 }
 
 fn options(method: MethodArg, coverage: CoverageArg) -> Options {

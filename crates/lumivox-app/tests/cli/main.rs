@@ -24,6 +24,7 @@ mod voxel_colors;
 mod voxel_files;
 mod voxel_nasty;
 mod voxelize;
+mod voxelize_gpu;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -96,6 +97,11 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("direct light of the sky in a box is the path tracer's", direct_light::sky_in_a_box),
     ("a demo writes all it promises", others::demo),
     ("info tells adapters and limits", others::info),
+    ("voxelize on a GPU has the exact cells, but for margins", voxelize_gpu::coverages),
+    ("voxelize runs every method", voxelize_gpu::methods),
+    ("voxelize on a GPU has the CPU's values", voxelize_gpu::channels),
+    ("voxelize on a GPU has the CPU's textures, about", voxelize_gpu::textures),
+    ("voxelize refuses what a GPU cannot do", voxelize_gpu::refusals),
 ];
 
 /// For `--ignored`: minutes each on a software driver.

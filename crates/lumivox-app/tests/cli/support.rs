@@ -1,6 +1,6 @@
 //! What all of these tests use: a folder that is gone with its test, runs of the program, and readers of what it writes.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -22,8 +22,14 @@ impl Folder {
         Self(path)
     }
 
-    /// Runs the program in the folder.
+    /// Runs the program in the folder. Volumes are the CPU's unless the arguments say otherwise: tests of exact numbers must not
+    /// depend on the machine.
     pub(crate) fn run<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
+        let mut arguments: Vec<OsString> = arguments.into_iter().map(|a| a.as_ref().to_owned()).collect();
+        let chooses = |a: &OsString| a == "--device" || a == "--method" || a == "--adapter";
+        if arguments.first().is_some_and(|a| a == "voxelize") && !arguments.iter().any(chooses) {
+            arguments.extend(["--device", "cpu"].map(OsString::from));
+        }
         Run::new(self.command(PROGRAM).args(arguments).output().unwrap())
     }
 

@@ -9,7 +9,7 @@ use crate::voxel_files::{self, key};
 const SHEET: &str = "mtllib m.mtl\nusemtl sheet\nv 0 0 0.002\nv 1 0 0.002\nv 1 1 0.002\nv 0 1 0.002\n\
                      vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 
-fn sheet(folder: &Folder, side: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) {
+pub(crate) fn sheet(folder: &Folder, side: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) {
     folder.write("sheet.obj", SHEET);
     folder.write("m.mtl", "newmtl sheet\nKd 1 1 1\nmap_Kd picture.png\n");
     let picture = image::RgbImage::from_fn(side, side, |x, y| image::Rgb(pixel(x, y)));

@@ -45,7 +45,7 @@ fn words(text: &str) -> Vec<f64> {
 }
 
 /// The arrays of a zip file with their headers.
-fn arrays(bytes: &[u8]) -> Result<BTreeMap<String, (String, Vec<u8>)>, Failed> {
+pub(crate) fn arrays(bytes: &[u8]) -> Result<BTreeMap<String, (String, Vec<u8>)>, Failed> {
     let number = |at: usize, width: usize| {
         bytes[at..at + width].iter().rev().fold(0usize, |sum, byte| sum << 8 | usize::from(*byte))
     };
