@@ -95,7 +95,7 @@ impl Device {
         let info = first.get_info();
         match info.device_type {
             DeviceType::DiscreteGpu | DeviceType::IntegratedGpu | DeviceType::VirtualGpu => {}
-            _ => return cpu(format!("{} is no GPU", info.name)),
+            _ => return cpu(format!("there is no GPU, only {}", info.name)),
         }
         match Gpu::new_blocking(&AdapterChoice::default(), Tier::Native) {
             Ok(gpu) => Self::Gpu { gpu, method, is_auto: true },
@@ -154,7 +154,7 @@ fn on_gpu(work: &Work<'_>, gpu: &Gpu, method: MethodArg) -> Result<Made> {
         adapter: Some(AdapterStats::new(gpu)),
         method: method.name(),
         ms,
-        words: format!("{} ({})", gpu.device.adapter_info().name, method.name()),
+        words: format!("{}, method {}", gpu.device.adapter_info().name, method.name()),
     };
     Ok(Made { volume, skipped_triangles: gpu::skipped_triangles(work.scene), device })
 }

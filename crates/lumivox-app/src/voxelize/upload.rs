@@ -1,6 +1,7 @@
 //! A scene as the GPU's voxelizer sees it: meshes in buffers, materials with their textures.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use anyhow::{Context, Result};
 use lumivox::gpu::{Buffer, Gpu, Sampler, Texture, TextureOptions};
@@ -41,10 +42,10 @@ pub(super) fn meshes(gpu: &Gpu, scene: &Scene, paints: bool, is_nearest: bool) -
         if mesh.indices.is_empty() || mesh.positions.is_empty() {
             continue;
         }
-        if !buffers.contains_key(&instance.mesh) {
-            buffers.insert(instance.mesh, Buffers::new(gpu, mesh)?);
-        }
-        let Some(buffers) = buffers.get(&instance.mesh) else { continue };
+        let buffers = match buffers.entry(instance.mesh) {
+            Entry::Occupied(made) => made.into_mut(),
+            Entry::Vacant(place) => place.insert(Buffers::new(gpu, mesh)?),
+        };
         let material = scene.materials.get(mesh.material).cloned().unwrap_or_default();
         let alpha_cutoff = scene.materials.get(mesh.material).and_then(|_| holes(scene, mesh.material));
         let is_seen = paints || alpha_cutoff.is_some();

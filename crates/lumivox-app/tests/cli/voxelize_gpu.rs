@@ -35,8 +35,8 @@ fn occupied(grid: &Grid, points: &Points) -> Vec<bool> {
     cells
 }
 
-/// The triangles of the model where they stand.
-fn triangles() -> Result<(Vec<[f32; 3]>, Vec<[u32; 3]>), Failed> {
+/// What was made last of the model, against the exact voxelizer.
+fn against_oracle(folder: &Folder, coverage: Coverage) -> Result<VoxelDifference, Failed> {
     let scene = lumivox_scene::load(MODEL)?;
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
     for instance in &scene.instances {
@@ -47,12 +47,6 @@ fn triangles() -> Result<(Vec<[f32; 3]>, Vec<[u32; 3]>), Failed> {
         );
         indices.extend(mesh.indices.iter().map(|triangle| triangle.map(|corner| first + corner)));
     }
-    Ok((positions, indices))
-}
-
-/// What was made last, against the exact voxelizer.
-fn against_oracle(folder: &Folder, coverage: Coverage) -> Result<VoxelDifference, Failed> {
-    let (positions, indices) = triangles()?;
     let triangles = TriangleView::new(&positions, &indices).ok_or("triangles without corners")?;
     let grid = grid(folder)?;
     let points = voxel_files::read(&folder.join("x.npz"), f64::from(grid.cell_size))?;
