@@ -10,7 +10,8 @@ use lumivox_scene::Scene;
 use lumivox_voxels::{GridSpec, SparseVolume, VoxelizeOptions};
 use serde::Serialize;
 
-use super::args::{ChannelArg, ColorArg, DeviceArg, MethodArg, VoxelizeArgs};
+use super::args::{ColorArg, DeviceArg, MethodArg, VoxelizeArgs};
+use super::channel::ChannelArg;
 use super::gpu;
 use super::model::Surfaces;
 use super::stages::Stages;

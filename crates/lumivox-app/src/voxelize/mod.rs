@@ -1,6 +1,7 @@
 //! `lumivox voxelize`: meshes to volume files.
 
 mod args;
+mod channel;
 mod device;
 mod gpu;
 mod model;

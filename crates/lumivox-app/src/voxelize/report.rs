@@ -8,7 +8,7 @@ use lumivox_voxels::files::FileReport;
 use lumivox_voxels::{Rule, SolidReport, SparseVolume};
 use serde::Serialize;
 
-use super::args::{FORMATS, RULES};
+use super::channel::{FORMATS, RULES};
 use super::device::{DeviceStats, Made};
 use crate::stats::StageStats;
 
