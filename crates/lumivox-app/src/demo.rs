@@ -57,6 +57,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         size: UVec2::new(args.size.0, args.size.1),
         grid: args.grid,
         iterations: args.iterations,
+        gather: render::SERIES_RAYS,
         rsm_size: 512,
         points: 400,
         area_samples: 32,

@@ -113,6 +113,17 @@ pub struct SurfelCount {
     pub refused: u32,
 }
 
+/// What is known of the sub-cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subcells {
+    /// Nothing: occupied cells are filled.
+    Unknown,
+    /// What views have shown: here and there thicker than the surface.
+    FromViews,
+    /// All of them, as thin as they get.
+    Given,
+}
+
 /// The gathered light of one volume: its stages and what they keep.
 #[derive(Debug)]
 pub struct GatheredLight {
@@ -121,7 +132,7 @@ pub struct GatheredLight {
     uniform: Uniform<GatherUniform>,
     capacity: u32,
     frame: u32,
-    subcells_known: bool,
+    subcells: Subcells,
     store: Store,
 }
 
@@ -136,7 +147,8 @@ struct Passes {
     trace: trace::Trace,
     take_light: bounce::Bounce,
     bounce: bounce::Bounce,
-    reconstruction: reconstruction::Reconstruction,
+    looking: reconstruction::Reconstruction,
+    trusting: reconstruction::Reconstruction,
 }
 
 /// All that is kept on the GPU.
@@ -208,13 +220,14 @@ impl GatheredLight {
                 trace: trace::Trace::new(gpu),
                 take_light: bounce::Bounce::new(gpu, false),
                 bounce: bounce::Bounce::new(gpu, true),
-                reconstruction: reconstruction::Reconstruction::new(gpu),
+                looking: reconstruction::Reconstruction::new(gpu, true),
+                trusting: reconstruction::Reconstruction::new(gpu, false),
             },
             uniform: Uniform::new(gpu, "gather/settings", &bytemuck::Zeroable::zeroed()),
             settings,
             capacity,
             frame: 0,
-            subcells_known: false,
+            subcells: Subcells::Unknown,
             store,
         };
         light.begin_frame(gpu);
@@ -255,7 +268,7 @@ impl GatheredLight {
             )));
         }
         gpu.queue.write_buffer(&self.store.subcells.raw, 0, bytemuck::cast_slice(bits));
-        self.subcells_known = true;
+        self.subcells = Subcells::Given;
         Ok(())
     }
 
@@ -279,7 +292,7 @@ impl GatheredLight {
         view: &ViewInput,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
-        self.subcells_known = true;
+        self.subcells = Subcells::FromViews;
         self.passes.view_subcells.record_injection(gpu, encoder, view, volume, &mut self.store)
     }
 
@@ -296,7 +309,7 @@ impl GatheredLight {
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
         let Passes { whole_cells, known_subcells, .. } = &self.passes;
-        let mask = if self.subcells_known { known_subcells } else { whole_cells };
+        let mask = if self.subcells == Subcells::Unknown { whole_cells } else { known_subcells };
         mask.record(gpu, encoder, volume, &mut self.store)?;
         // The count of those that find no room.
         encoder.clear_buffer(&self.store.counts.raw, 4, Some(4));
@@ -361,7 +374,10 @@ impl GatheredLight {
         view: &ViewInput,
         target: &mut Texture,
     ) -> Result<(), GpuError> {
-        self.passes.reconstruction.record(gpu, encoder, volume, &self.store, view, target)
+        // Sub-cells that are not thin would hide surfels from the pixels of their own surface.
+        let exact = self.subcells == Subcells::Given;
+        let pass = if exact { &self.passes.looking } else { &self.passes.trusting };
+        pass.record(gpu, encoder, volume, &self.store, view, target)
     }
 
     /// How many surfels there are. Waits; not for use inside a frame.

@@ -1,5 +1,6 @@
 //! Irradiance at each pixel: from the surfels of the eight cells around it, by how near they are and how much they face its
-//! way. Those to which the way is blocked do not count: the lit floor behind a thin wall is near, too.
+//! way. Those to which the way is blocked do not count: the lit floor behind a thin wall is near, too. That asks
+//! for sub-cells from triangles; those from views are too thick for it.
 
 use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
 use crate::light::IRRADIANCE_FORMAT;
@@ -18,8 +19,10 @@ pub(super) const SHADER: Shader = Shader {
 pub(super) struct Reconstruction(FullscreenPass);
 
 impl Reconstruction {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(FullscreenPass::new(gpu, &SHADER, IRRADIANCE_FORMAT, false))
+    /// Whether pixels look for what stands between them and a surfel.
+    pub(super) fn new(gpu: &Gpu, looks: bool) -> Self {
+        let constants = [("LOOKS", f64::from(u8::from(looks)))];
+        Self(FullscreenPass::with_constants(gpu, &SHADER, IRRADIANCE_FORMAT, false, &constants))
     }
 
     pub(super) fn record(

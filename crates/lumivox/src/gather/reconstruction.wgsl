@@ -16,8 +16,14 @@ const BLOCKED: f32 = 1e-5;
 // The sum of weights from which no surfels farther away are asked.
 const ENOUGH: f32 = 1e-3;
 
+// Whether pixels look for what stands between them and a surfel.
+override LOOKS: bool;
+
 // Whether a surfel can be seen from `eye`, in sub-cells: one of its open faces, near its middle.
 fn in_sight(surfel: Surfel, eye: vec3f) -> bool {
+    if !LOOKS {
+        return true;
+    }
     let points = bit_count(surfel.bits);
     let corner = subcell_corner(cell_from_index(grid, surfel.cell), nth_bit(surfel.bits, (5u * points) / 8u));
     let way = corner + 0.5 + 0.75 * FACE_NORMALS[surfel.side / 2u] - eye;

@@ -59,6 +59,17 @@ pub struct FullscreenPass {
 impl FullscreenPass {
     /// Compiles the pass for one target format. With `additive` the result is added to what the target holds.
     pub fn new(gpu: &Gpu, shader: &Shader, format: wgpu::TextureFormat, additive: bool) -> Self {
+        Self::with_constants(gpu, shader, format, additive, &[])
+    }
+
+    /// As [`Self::new`]; `constants` are the fragment stage's `override` declarations.
+    pub fn with_constants(
+        gpu: &Gpu,
+        shader: &Shader,
+        format: wgpu::TextureFormat,
+        additive: bool,
+        constants: &[(&str, f64)],
+    ) -> Self {
         let module = shader_module(gpu, shader);
         let add = wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::One,
@@ -85,7 +96,7 @@ impl FullscreenPass {
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some("fragment"),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
                 targets: &[Some(target)],
             }),
             multiview_mask: None,
