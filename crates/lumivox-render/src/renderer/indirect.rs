@@ -35,11 +35,11 @@ impl Indirect {
         Ok(Self::Propagated(Box::new(propagated)))
     }
 
-    /// The stage that takes the time.
-    pub(super) fn stage(&self) -> &'static str {
+    /// The stage that steps start from, and theirs.
+    pub(super) fn stages(&self) -> [&'static str; 2] {
         match self {
-            Self::Propagated(_) => "light/propagation",
-            Self::Gathered(_) => "gather/bounce",
+            Self::Propagated(_) => ["light/seed", "light/propagation"],
+            Self::Gathered(_) => ["gather/trace", "gather/bounce"],
         }
     }
 

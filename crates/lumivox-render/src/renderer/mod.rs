@@ -233,11 +233,14 @@ impl Renderer {
             // Views to volume, light by light, the camera last.
             let light = &mut self.direct_light;
             let keeps = settings.voxels != VoxelSource::SingleFrame;
-            timer.stage(gpu, "gather/surfels", |e| {
-                indirect.record_dark(e);
-                // Of triangles that moved; those that views bring come below.
-                if views_fill { Ok(()) } else { indirect.record_surfels(gpu, e, volume) }
-            })?;
+            let gathers = matches!(indirect, Indirect::Gathered(_));
+            if gathers {
+                timer.stage(gpu, "gather/surfels", |e| {
+                    indirect.record_dark(e);
+                    // Of triangles that moved; those that views bring come below.
+                    if views_fill { Ok(()) } else { indirect.record_surfels(gpu, e, volume) }
+                })?;
+            }
             if views_fill {
                 timer.stage(gpu, "progressive/cleanup", |e| {
                     voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })?;
@@ -249,7 +252,9 @@ impl Renderer {
                     let mut views = source.views.iter_mut();
                     views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
                 })?;
-                timer.stage(gpu, "gather/direct", |e| indirect.record_light(gpu, e, source, volume))?;
+                if gathers {
+                    timer.stage(gpu, "gather/direct", |e| indirect.record_light(gpu, e, source, volume))?;
+                }
                 if views_fill {
                     timer.stage(gpu, "progressive/cleanup", |e| {
                         voxelizer.record_cleanup(gpu, e, source, volume)
@@ -265,13 +270,16 @@ impl Renderer {
                     voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
                     indirect.record_injection(gpu, e, &camera.input, volume)
                 })?;
+            }
+            if views_fill && gathers {
                 timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
             }
 
             // Volume to light.
-            timer.stage(gpu, "light/seed", |e| indirect.record_seed(gpu, e, volume, &self.direct_light))?;
+            let [first, stage] = indirect.stages();
+            timer.stage(gpu, first, |e| indirect.record_seed(gpu, e, volume, &self.direct_light))?;
             let steps = steps(settings);
-            timer.stage(gpu, indirect.stage(), |e| indirect.record_steps(gpu, e, volume, steps))?;
+            timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, steps))?;
         }
         let mut stats = FrameStats { stages: timer.finish(gpu)? };
         stats.stages.extend(self.compose(clock)?.stages);
@@ -286,7 +294,8 @@ impl Renderer {
     ) -> Result<FrameStats, RendererError> {
         let Self { gpu, volume, indirect, .. } = self;
         let mut timer = StageTimer::new(gpu, clock);
-        timer.stage(gpu, indirect.stage(), |e| indirect.record_steps(gpu, e, volume, iterations))?;
+        let [_, stage] = indirect.stages();
+        timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, iterations))?;
         let mut stats = FrameStats { stages: timer.finish(gpu)? };
         stats.stages.extend(self.compose(clock)?.stages);
         Ok(stats)
