@@ -87,6 +87,7 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("every layer", pictures::layers),
     ("every voxelizer, with and without indirect light", pictures::methods),
     ("a comparison with the path tracer", compare::against_the_tracer),
+    ("gathered light in a box is the path tracer's", compare::gathered_light_in_a_box),
     ("comparisons with another renderer's pictures", compare::references_from_files),
     ("comparisons of whole pixels", compare::antialiased),
     ("comparisons under a rect light", compare::rect_light),
