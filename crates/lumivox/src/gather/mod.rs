@@ -313,8 +313,8 @@ impl GatheredLight {
         mask.record(gpu, encoder, volume, &mut self.store)?;
         // The count of those that find no room.
         encoder.clear_buffer(&self.store.counts.raw, 4, Some(4));
-        self.passes.free.record(gpu, encoder, volume, &mut self.store)?;
-        self.passes.give.record(gpu, encoder, volume, &mut self.store)
+        self.passes.free.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
+        self.passes.give.record(gpu, encoder, (volume, &self.uniform), &mut self.store)
     }
 
     /// Takes away all direct light; each frame, before that of its views.

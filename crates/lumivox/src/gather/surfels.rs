@@ -4,11 +4,11 @@
 //! Where the normals in a cell agree, the surfel takes their mean, and sides that the mean only grazes are the steps of
 //! a slanted surface and get none. Elsewhere, in corners and in thin walls, a surfel faces straight along its axis.
 
-use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader};
+use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{NORMAL, VolumeBuffer};
 use crate::wgsl::{FACE, GRID, PACK, linear_groups};
 
-use super::{SURFEL, Store};
+use super::{GatherUniform, SURFEL, Store};
 
 pub(super) const SHADER: Shader =
     Shader { name: "gather/surfels", parts: &[GRID, PACK, FACE, SURFEL, include_str!("surfels.wgsl")] };
@@ -32,7 +32,7 @@ impl Surfels {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        volume: &VolumeBuffer,
+        (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
         store: &mut Store,
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
@@ -43,7 +43,9 @@ impl Surfels {
             .write("surfels", &mut store.surfels)
             .write("free_places", &mut store.free_places)
             .write("counts", &mut store.counts)
-            .write("light", &mut store.light);
+            .write("light", &mut store.light)
+            .write("hits", &mut store.hits)
+            .read("settings", settings);
         self.0.record(gpu, encoder, &bindings, linear_groups(volume.grid().cell_count() as u32))
     }
 }

@@ -9,6 +9,8 @@
 @group(0) @binding(5) var<storage, read_write> free_places: array<u32>;
 @group(0) @binding(6) var<storage, read_write> counts: array<atomic<i32>>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> hits: array<u32>;
+@group(0) @binding(9) var<uniform> settings: GatherUniform;
 
 // Gives back or gives out.
 override FREES: bool;
@@ -123,4 +125,8 @@ fn keep_place(side: u32, surfel: Surfel) {
     surfels[given] = pack_surfel(surfel);
     table[at] = given;
     light[given] = vec4f(0.0);
+    // What the rays of the place's last owner met is none of the new one's.
+    for (var ray = 0u; ray < settings.rays; ray++) {
+        hits[given * settings.rays + ray] = UNTRACED;
+    }
 }

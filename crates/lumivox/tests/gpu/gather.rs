@@ -20,6 +20,7 @@ use crate::{Labs, Test};
 pub(crate) const TESTS: &[Test] = &[
     ("gather: surfels are the open sides of sub-cells", surfels),
     ("gather: places are given back and out again", places),
+    ("gather: a new surfel takes nothing over from its place's last owner", strangers),
     ("gather: a furnace has its closed form", furnace),
     ("gather: facing plates have their form factor", plates),
     ("gather: light is linear, and the same every time", linear),
@@ -167,6 +168,39 @@ fn places(labs: &Labs) -> Result<(), Failed> {
         let sides = found.iter().flatten().flatten().count();
         assert_eq!(sides, expected as usize, "round {round}");
     }
+    Ok(())
+}
+
+/// A lamp on one side of a wall, and one cell more, here or there.
+fn strangers(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let with = |place: UVec3| {
+        let mut cells = Cells::new(16);
+        for (y, z) in (0..16).flat_map(|y| (0..16).map(move |z| (y, z))) {
+            cells.surface(UVec3::new(10, y, z), Vec3::ZERO, 0.0);
+        }
+        let lamp = UVec3::new(7, 8, 8);
+        cells.surface(lamp, Vec3::ZERO, 0.0);
+        let index = cells.grid.index(lamp);
+        cells.emission[index] = Vec4::splat(50.0);
+        cells.surface(place, Vec3::ZERO, 0.0);
+        cells
+    };
+    let (lit, dark) = (UVec3::new(5, 8, 8), UVec3::new(13, 8, 8));
+    let settings = GatherSettings { rays: 64, frames: 64, ..GatherSettings::default() };
+    let mut room = Room::new(gpu, &with(lit), settings)?;
+    for _ in 0..64 {
+        room.frame(gpu, 1)?;
+    }
+    let grid = *room.volume.grid();
+    let sum = |room: &Room, cell: UVec3| -> Result<f32, GpuError> {
+        let found = room.light.read_irradiance(gpu)?;
+        Ok(found[grid.index(cell)].iter().flatten().map(|e| e.x).sum())
+    };
+    assert!(sum(&room, lit)? > 1.0, "the lamp does not shine on its neighbour");
+    upload(gpu, &mut room.volume, &with(dark))?;
+    room.frame(gpu, 1)?;
+    assert_eq!(sum(&room, dark)?, 0.0);
     Ok(())
 }
 
