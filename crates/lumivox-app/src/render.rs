@@ -92,6 +92,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             )?;
         }
     }
+    let surfels = renderer.surfels()?;
+    if let Some(refused) = surfels.map(|s| s.refused).filter(|n| *n > 0) {
+        tracing::warn!(
+            "{refused} surfaces in the volume found no room and send no light: try a smaller --grid"
+        );
+    }
     if let Some(path) = &args.stats {
         let grid = renderer.volume().grid();
         let stats = RenderStats {
@@ -104,6 +110,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             lights: scene.lights.len(),
             grid: grid.dims.to_array(),
             cell_size_m: grid.cell_size,
+            surfels: surfels.map(|s| s.used),
             frames: work.frames,
             iterations: work.iterations,
             settled: work.settled,

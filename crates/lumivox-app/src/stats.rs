@@ -42,6 +42,8 @@ pub(crate) struct RenderStats {
     pub(crate) lights: usize,
     pub(crate) grid: [u32; 3],
     pub(crate) cell_size_m: f32,
+    /// Surfels of gathered light.
+    pub(crate) surfels: Option<u32>,
     pub(crate) frames: u32,
     pub(crate) iterations: u32,
     pub(crate) settled: bool,

@@ -9,7 +9,7 @@ mod view_voxelizer;
 use glam::{UVec2, Vec3};
 use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, GridError, View};
-use lumivox::gather::GatheredLight;
+use lumivox::gather::{GatheredLight, SurfelCount};
 use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
 use lumivox::light::LightSettings;
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
@@ -336,6 +336,11 @@ impl Renderer {
             Indirect::Gathered(gathered) => Some(gathered),
             Indirect::Propagated(_) => None,
         }
+    }
+
+    /// How many surfels gathered light has, and how many found no room. Waits.
+    pub fn surfels(&self) -> Result<Option<SurfelCount>, RendererError> {
+        Ok(self.gathered().map(|light| light.count(&self.gpu)).transpose()?)
     }
 
     /// What light there still is to settle, as far as a step tells: flux under way

@@ -53,6 +53,7 @@ fn dark_room(gpu: &Gpu) -> Result<(), Failed> {
             // Of the dark room, the brightest pixel.
             *seen = if side < 0.0 { mean(&picture) } else { picture.iter().map(|p| p.y).fold(0.0, f32::max) };
         }
+        assert_eq!(renderer.surfels()?.map(|s| s.refused), Some(0));
         let cell = renderer.volume().grid().cell_size;
         eprintln!(
             "walls of {:.2} cells: lit {}, brightest pixel of the dark {}",

@@ -71,8 +71,9 @@ pub struct GatherSettings {
     pub frames: u32,
     /// Points of a surfel at which a view is asked for light, 1 to 64. More resolve the edges of shadows.
     pub light_points: u32,
-    /// Room for surfels. Without it one for each cell, or as many as fit into a binding, if that is less: a room needs one to
-    /// five cells, a palace of arches nine to ten. Those that find no room are dark, and counted.
+    /// Room for surfels. Without it two for each cell, or as many as fit into a binding, if that is less, and six in grids of up
+    /// to 10,000 cells: at 64 cells a side a room needs one to five cells, a palace of arches nine to ten. Those that find no
+    /// room are dark, and counted.
     pub surfels: Option<u32>,
     /// Radiance of the sky, that rays meet which leave the grid, W/(m2 sr).
     pub sky: Vec3,
@@ -183,7 +184,9 @@ impl GatheredLight {
         let cells = volume.grid().cell_count();
         let limits = gpu.device.limits();
         let room = limits.max_storage_buffer_binding_size / (4 * u64::from(settings.rays)).max(16);
-        let wanted = settings.surfels.map_or(cells, u64::from);
+        // Small grids have more surface for their cells.
+        let usual = (2 * cells).max((6 * cells).min(65_536));
+        let wanted = settings.surfels.map_or(usual, u64::from);
         let capacity = wanted.clamp(64, room.max(64));
         let blocks: u64 = volume.grid().dims.to_array().map(|n| u64::from(n.div_ceil(4))).iter().product();
         let make = |name: &str, bytes: u64| Buffer::storage(gpu, &format!("gather/{name}"), bytes);
