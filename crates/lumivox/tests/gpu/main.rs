@@ -8,6 +8,7 @@ mod contract;
 mod definition;
 mod energy;
 mod gather;
+mod gather_views;
 mod light;
 mod lighting;
 mod picture;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         light::TESTS,
         energy::TESTS,
         gather::TESTS,
+        gather_views::TESTS,
         contract::TESTS,
         single_pass::TESTS,
     ]
