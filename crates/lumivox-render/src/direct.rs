@@ -15,12 +15,12 @@ use lumivox::{wgpu, wgsl};
 
 use crate::lights::LIGHTS;
 use crate::renderer::{ShadowBatch, ShadowedLights};
-use crate::surface::{OCTAHEDRON, RADIANCE_FORMAT, SurfaceView};
+use crate::surface::{RADIANCE_FORMAT, SurfaceView};
 
 /// The shader.
 pub const SHADER: Shader = Shader {
     name: "render/direct",
-    parts: &[wgsl::VIEW, LIGHTS, OCTAHEDRON, wgsl::FULLSCREEN, include_str!("direct.wgsl")],
+    parts: &[wgsl::VIEW, LIGHTS, wgsl::OCTAHEDRON, wgsl::FULLSCREEN, include_str!("direct.wgsl")],
 };
 
 /// The pass.

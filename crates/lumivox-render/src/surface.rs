@@ -26,13 +26,11 @@ use crate::lights::{LIGHTS, LightUniform};
 use crate::material_textures::MaterialTextures;
 
 pub(crate) const SURFACE: &str = include_str!("surface.wgsl");
-/// The shared shader module of directions in two numbers.
-pub(crate) const OCTAHEDRON: &str = include_str!("octahedron.wgsl");
 
 /// The G-buffer's shader.
 pub const GBUFFER_SHADER: Shader = Shader {
     name: "render/gbuffer",
-    parts: &[wgsl::VIEW, OCTAHEDRON, SURFACE, include_str!("gbuffer.wgsl")],
+    parts: &[wgsl::VIEW, wgsl::OCTAHEDRON, SURFACE, include_str!("gbuffer.wgsl")],
 };
 /// The reflective shadow maps' shader.
 pub const RSM_SHADER: Shader =

@@ -22,6 +22,8 @@ pub const SH: &str = include_str!("wgsl/sh.wgsl");
 pub const FACE: &str = include_str!("wgsl/face.wgsl");
 /// Which faces of a cell let light out; after [`FACE`].
 pub const TRANSPORT: &str = include_str!("wgsl/transport.wgsl");
+/// Directions in two numbers.
+pub const OCTAHEDRON: &str = include_str!("wgsl/octahedron.wgsl");
 /// The vertex stage of full-screen passes.
 pub const FULLSCREEN: &str = include_str!("wgsl/fullscreen.wgsl");
 

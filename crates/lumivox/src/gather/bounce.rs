@@ -2,12 +2,12 @@
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{ALBEDO, EMISSION, VolumeBuffer};
-use crate::wgsl::{GRID, PACK, linear_groups};
+use crate::wgsl::{GRID, OCTAHEDRON, PACK, linear_groups};
 
 use super::{GatherUniform, SURFEL, Store};
 
 pub(super) const SHADER: Shader =
-    Shader { name: "gather/bounce", parts: &[GRID, PACK, SURFEL, include_str!("bounce.wgsl")] };
+    Shader { name: "gather/bounce", parts: &[GRID, PACK, OCTAHEDRON, SURFEL, include_str!("bounce.wgsl")] };
 
 #[derive(Debug)]
 pub(super) struct Bounce(ComputePass);

@@ -6,13 +6,13 @@
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::progressive::LightView;
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, PACK, VIEW, VISIBILITY, linear_groups};
+use crate::wgsl::{GRID, OCTAHEDRON, PACK, VIEW, VISIBILITY, linear_groups};
 
 use super::{GatherUniform, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/direct",
-    parts: &[GRID, PACK, VIEW, VISIBILITY, SURFEL, include_str!("direct.wgsl")],
+    parts: &[GRID, PACK, VIEW, VISIBILITY, OCTAHEDRON, SURFEL, include_str!("direct.wgsl")],
 };
 
 /// Cosine between the normals of a surfel and of what a view sees, from which both are one side of a surface.

@@ -6,13 +6,23 @@ use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
 use crate::light::IRRADIANCE_FORMAT;
 use crate::progressive::ViewInput;
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{FACE, FULLSCREEN, GRID, PACK, VIEW};
+use crate::wgsl::{FACE, FULLSCREEN, GRID, OCTAHEDRON, PACK, VIEW};
 
 use super::{MARCH, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/reconstruction",
-    parts: &[GRID, VIEW, PACK, FACE, SURFEL, MARCH, FULLSCREEN, include_str!("reconstruction.wgsl")],
+    parts: &[
+        GRID,
+        VIEW,
+        PACK,
+        FACE,
+        OCTAHEDRON,
+        SURFEL,
+        MARCH,
+        FULLSCREEN,
+        include_str!("reconstruction.wgsl"),
+    ],
 };
 
 #[derive(Debug)]

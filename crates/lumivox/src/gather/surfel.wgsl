@@ -37,24 +37,12 @@ struct Surfel {
     normal: vec3f,
 }
 
-fn octahedral(n: vec3f) -> vec2f {
-    let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
-    let folded = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
-    return select(p, folded, n.z < 0.0);
-}
-
-fn from_octahedral(p: vec2f) -> vec3f {
-    let z = 1.0 - abs(p.x) - abs(p.y);
-    let folded = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
-    return normalize(vec3f(select(p, folded, z < 0.0), z));
-}
-
 fn pack_surfel(s: Surfel) -> vec4u {
-    return vec4u(SIDES * s.cell + s.side, pack2x16snorm(octahedral(s.normal)), s.bits);
+    return vec4u(SIDES * s.cell + s.side, pack2x16snorm(octahedron_from_direction(s.normal)), s.bits);
 }
 
 fn unpack_surfel(p: vec4u) -> Surfel {
-    return Surfel(p.x != NO_SURFEL, p.x / SIDES, p.x % SIDES, p.zw, from_octahedral(unpack2x16snorm(p.y)));
+    return Surfel(p.x != NO_SURFEL, p.x / SIDES, p.x % SIDES, p.zw, direction_from_octahedron(unpack2x16snorm(p.y)));
 }
 
 fn bit_count(bits: vec2u) -> u32 {

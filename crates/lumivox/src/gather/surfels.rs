@@ -6,12 +6,14 @@
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{NORMAL, VolumeBuffer};
-use crate::wgsl::{FACE, GRID, PACK, linear_groups};
+use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK, linear_groups};
 
 use super::{GatherUniform, SURFEL, Store};
 
-pub(super) const SHADER: Shader =
-    Shader { name: "gather/surfels", parts: &[GRID, PACK, FACE, SURFEL, include_str!("surfels.wgsl")] };
+pub(super) const SHADER: Shader = Shader {
+    name: "gather/surfels",
+    parts: &[GRID, PACK, FACE, OCTAHEDRON, SURFEL, include_str!("surfels.wgsl")],
+};
 
 /// Length of a mean normal from which all surfaces of the cell count as one; two at right angles have 0.71.
 const STEADY: f64 = 0.9;

@@ -6,12 +6,14 @@
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{FACE, GRID, linear_groups};
+use crate::wgsl::{FACE, GRID, OCTAHEDRON, linear_groups};
 
 use super::{GatherUniform, MARCH, SURFEL, Store};
 
-pub(super) const SHADER: Shader =
-    Shader { name: "gather/trace", parts: &[GRID, FACE, SURFEL, MARCH, include_str!("trace.wgsl")] };
+pub(super) const SHADER: Shader = Shader {
+    name: "gather/trace",
+    parts: &[GRID, FACE, OCTAHEDRON, SURFEL, MARCH, include_str!("trace.wgsl")],
+};
 
 #[derive(Debug)]
 pub(super) struct Trace(ComputePass);

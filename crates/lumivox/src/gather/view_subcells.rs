@@ -7,17 +7,17 @@
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader};
 use crate::progressive::{SURFACE_SHIFT, ViewInput};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, POINT, VIEW, VISIBILITY, linear_groups};
+use crate::wgsl::{GRID, OCTAHEDRON, POINT, VIEW, VISIBILITY, linear_groups};
 
 use super::{SURFEL, Store};
 
 pub(super) const CLEANUP: Shader = Shader {
     name: "gather/view cleanup",
-    parts: &[GRID, VIEW, VISIBILITY, SURFEL, include_str!("view_cleanup.wgsl")],
+    parts: &[GRID, VIEW, VISIBILITY, OCTAHEDRON, SURFEL, include_str!("view_cleanup.wgsl")],
 };
 pub(super) const INJECTION: Shader = Shader {
     name: "gather/view injection",
-    parts: &[GRID, VIEW, VISIBILITY, POINT, SURFEL, include_str!("view_injection.wgsl")],
+    parts: &[GRID, VIEW, VISIBILITY, POINT, OCTAHEDRON, SURFEL, include_str!("view_injection.wgsl")],
 };
 
 #[derive(Debug)]
