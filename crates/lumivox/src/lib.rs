@@ -31,6 +31,7 @@
 //! | *Progressive Screen-Space Multichannel Surface Voxelization*, 6.2 and 6.3; dissertation chapter 7 | [`progressive`] |
 //! | dissertation chapter 5: volume-based indirect light | [`light`] |
 //! | beyond the papers: indirect light along rays, all bounces, thin walls | [`gather`] |
+//! | the same light for any other shader: surfaces, particles, fog | [`irradiance`] |
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
 //! | the same; dissertation 5.5.1 and chapter 6: voxelization of triangles | [`voxelize`] |
 
@@ -39,6 +40,7 @@ extern crate self as lumivox;
 
 pub mod gather;
 pub mod gpu;
+pub mod irradiance;
 pub mod light;
 pub mod progressive;
 pub mod volume;
@@ -53,7 +55,7 @@ pub use wgpu;
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<gpu::Shader> {
-    [progressive::shaders(), light::shaders(), gather::shaders()].concat()
+    [progressive::shaders(), light::shaders(), gather::shaders(), irradiance::shaders()].concat()
 }
 
 /// The texts that [`voxelize`] makes of some sets of channels, for validation and for reading.
@@ -73,6 +75,9 @@ pub fn shader_constants() -> Vec<(&'static str, f32)> {
         ("FACE_FLUX0", 1.0 / (6.0 * sh::Y0)),
         ("FACE_FLUX1", light::FACE_FLUX1),
         ("HALF_MAX", wgsl::HALF_MAX),
+        ("LUMIVOX_MEAN", sh::Y0),
+        ("LUMIVOX_COSINE_0", sh::COS0),
+        ("LUMIVOX_COSINE_1", sh::COS1),
     ]
 }
 
@@ -89,6 +94,8 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),
         entry::<gather::GatherUniform>(),
+        entry::<gather::LatticeUniform>(),
+        entry::<irradiance::LumivoxIrradianceUniform>(),
         entry::<voxelize::VoxelLight>(),
     ]
 }

@@ -47,7 +47,10 @@ fn bindings_are_read_as_naga_reads_them() {
                 let at = v.binding.as_ref()?;
                 let stores = match v.space {
                     naga::AddressSpace::Storage { access } => access.contains(naga::StorageAccess::STORE),
-                    _ => false,
+                    _ => matches!(
+                        module.types[v.ty].inner,
+                        naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. }
+                    ),
                 };
                 Some((at.group, at.binding, v.name.clone().unwrap_or_default(), stores))
             })
@@ -70,6 +73,12 @@ fn core_limits_of_a_stage_hold() {
             .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
             .count();
         assert!(storage <= 8, "{}: {storage} storage buffers, core WebGPU has 8 a stage", shader.name);
+        let is_stored = |kind: &naga::TypeInner| {
+            matches!(kind, naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. })
+        };
+        let textures =
+            module.global_variables.iter().filter(|(_, v)| is_stored(&module.types[v.ty].inner)).count();
+        assert!(textures <= 4, "{}: {textures} storage textures, core WebGPU has 4 a stage", shader.name);
     }
 }
 

@@ -1,5 +1,6 @@
 //! `lumivox bench`: the papers' tables and figures, on this machine and beside the papers' numbers.
 
+mod light;
 mod models;
 mod plot;
 mod report;
@@ -36,6 +37,8 @@ pub(crate) struct BenchArgs {
 enum BenchName {
     /// The ways to turn triangles into voxels.
     Voxelizers,
+    /// Indirect light against path-traced references.
+    Light,
 }
 
 /// Runs the command.
@@ -47,6 +50,12 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
                 let mut report = Report::new(&args.out, "voxelizers", "Voxelizers of triangles")?;
                 report.say(&timing::words(&gpu, args.quick));
                 voxelizers::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
+                report.write()?;
+            }
+            BenchName::Light => {
+                let mut report = Report::new(&args.out, "light", "Indirect light")?;
+                report.say(&timing::words(&gpu, args.quick));
+                light::run(&gpu, args.quick, &mut report)?;
                 report.write()?;
             }
         }

@@ -83,7 +83,7 @@ impl Subject {
 }
 
 /// The folder of models, if there is one.
-fn assets() -> Option<PathBuf> {
+pub(super) fn assets() -> Option<PathBuf> {
     std::env::var_os("LUMIVOX_ASSETS").map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 

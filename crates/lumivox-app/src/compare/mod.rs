@@ -1,26 +1,27 @@
 //! `lumivox compare`: ours against the path tracer, or against another renderer's pictures: numbers, pictures, differences.
 
 mod args;
-mod measure;
-mod oracle_scene;
-mod ours;
-mod pictures;
-mod reference;
+pub(crate) mod measure;
+pub(crate) mod oracle_scene;
+pub(crate) mod ours;
+pub(crate) mod pictures;
+pub(crate) mod reference;
 mod report;
 mod voxels;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use lumivox::gpu::Gpu;
-use lumivox_render::GiMethod;
+use lumivox_oracle::tracer::PixelFilter;
+use lumivox_render::{GiMethod, Layer};
 
 pub(crate) use args::CompareArgs;
 use measure::{Comparison, MIN_ALBEDO, Masks, Pair};
 use ours::Ours;
-use reference::Files;
+use reference::{Budget, Files};
 use report::{ForegroundStats, ReferenceStats, Report};
 use voxels::VoxelComparison;
 
-use crate::args::Size;
+use crate::args::{GiArg, Size};
 use crate::motion::Motion;
 use crate::stats::{self, AdapterStats};
 use crate::{clock, info, lighting, output, render};
@@ -48,7 +49,9 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let oracle_camera = oracle_scene::oracle_camera(&camera);
 
     let gpu = info::open_gpu(&args.shot.gpu)?;
-    let ours = ours::render(&gpu, &scene, &args.shot, (size, args.points_a_side()), &camera)?;
+    let settings = render::settings(&args.shot, &scene, size, Layer::Direct, true);
+    let ours = ours::render(&gpu, &scene, settings, (args.points_a_side(), args.shot.iterations), &camera)
+        .with_context(|| args.shot.scene.clone())?;
     let (pairs, masks, mut reference) = match files {
         Some(files) => {
             let (albedo, seen) = reference::albedo_and_foreground(&oracle_scene, &oracle_camera, args, size)?;
@@ -140,7 +143,16 @@ fn against_tracer(
     let masks = |rendering: &lumivox_oracle::tracer::Rendering| {
         Masks::new(&ours.drawn, &rendering.foreground(), &[&ours.albedo])
     };
-    let traced = reference::trace(scene, camera, args, size, |rendering| {
+    let budget = Budget {
+        size,
+        seed: args.seed,
+        filter: if args.points_a_side() > 1 { PixelFilter::Box } else { PixelFilter::Center },
+        // Without indirect light of ours there is nothing to hold bounces against.
+        bounces: matches!(args.shot.gi, GiArg::Off).then_some(0),
+        max_samples: args.max_samples,
+        max_seconds: args.max_seconds,
+    };
+    let traced = reference::trace(scene, camera, &budget, |rendering| {
         measure::traced_pairs(ours, rendering, &masks(rendering)).iter().all(Pair::is_quiet)
     })?;
     let masks = masks(&traced.rendering);

@@ -1,13 +1,13 @@
 //! What our renderer sees of the scene, layer by layer.
 
-use anyhow::{Context, Result, bail};
-use glam::Vec3;
+use anyhow::{Result, bail};
+use glam::{UVec2, Vec3};
 use lumivox::gpu::Gpu;
 use lumivox_oracle::picture::Picture;
 use lumivox_render::{Layer, Renderer, Settings};
 use lumivox_scene::{Camera, Scene};
 
-use crate::args::{ShotArgs, Size};
+use crate::args::Size;
 use crate::clock;
 use crate::render::{self, Work};
 
@@ -26,15 +26,17 @@ pub(crate) struct Ours {
     pub(crate) renderer: Renderer,
 }
 
-/// Renders a still as `lumivox render` does, `points` times as wide and high, and reads its layers.
+/// Renders a still as `lumivox render` does, `points` times as wide and high as the settings say, and reads its layers.
+/// `steps` of propagation at a time go on until its light has settled.
 pub(crate) fn render(
     gpu: &Gpu,
     scene: &Scene,
-    shot: &ShotArgs,
-    (size, points): (Size, u32),
+    settings: Settings,
+    (points, steps): (u32, u32),
     camera: &Camera,
 ) -> Result<Ours> {
     let start = clock::millis();
+    let size = Size(settings.size.x, settings.size.y);
     let fine = Size(size.0 * points, size.1 * points);
     if fine.0.max(fine.1) > MAX_SIDE {
         bail!(
@@ -44,11 +46,10 @@ pub(crate) fn render(
         );
     }
     // The path tracer looks textures up at a point.
-    let settings =
-        Settings { filtered_textures: false, ..render::settings(shot, scene, fine, Layer::Direct, true) };
-    let mut renderer = Renderer::new(gpu, scene, settings).with_context(|| shot.scene.clone())?;
+    let settings = Settings { size: UVec2::new(fine.0, fine.1), filtered_textures: false, ..settings };
+    let mut renderer = Renderer::new(gpu, scene, settings)?;
     let mut work = Work::default();
-    render::still(&mut renderer, shot.iterations, camera, Some(clock::millis), &mut work)?;
+    render::still(&mut renderer, steps, camera, Some(clock::millis), &mut work)?;
     let millis = clock::millis() - start;
     let mut read = |layer| -> Result<Picture> {
         renderer.set_layer(layer);

@@ -32,14 +32,7 @@ pub(crate) fn write(
     let mut rows = Vec::new();
     for (pair, comparison) in pairs.iter().zip(comparisons) {
         let difference = difference(pair);
-        let mean = comparison.mean_reference as f32;
-        // Irradiance is shown as a white surface would reflect it.
-        let gain = if pair.quantity == "irradiance" { 1.0 / PI } else { 1.0 };
-        let shown = |picture: &Picture| scaled(&kept(picture, &pair.kept), gain);
-        let lit = if mean > 0.0 { &pair.reference } else { &pair.ours };
-        let exposure = tone::auto_exposure(&shown(lit).pixels);
-        let [ours, theirs] = [&pair.ours, &pair.reference].map(|p| shown(p).srgb(Layer::Final, exposure));
-        let map = difference_colors(&difference, &pair.kept, mean);
+        let (exposure, [ours, theirs, map]) = shown(pair, comparison);
         let name = match pair.quantity {
             "radiance" => pair.layer.to_owned(),
             quantity => format!("{}_{quantity}", pair.layer),
@@ -53,26 +46,45 @@ pub(crate) fn write(
             output::write_picture(&exr, &scaled(linear, 1.0), Layer::Final, 0.0)?;
             output::write_png(&folder.join(format!("{what}_{name}.png")), png)?;
         }
-        rows.push(row(pair, comparison, reference, exposure, [ours, theirs, map]));
+        let title = format!("{} {}", pair.layer, pair.quantity);
+        let names = [format!("{title}: ours"), format!("{title}: {reference}")];
+        rows.push(row(comparison, names, exposure, [ours, theirs, map]));
     }
     output::write_png(&folder.join("sheet.png"), &sheet::captioned_sheet(&rows))
 }
 
-fn row(
+/// A row of a sheet: ours, the reference and the difference, the first two under these names.
+pub(crate) fn compared(
     pair: &Pair,
+    comparison: &Comparison,
+    names: [String; 2],
+) -> Vec<([String; 2], RgbImage)> {
+    let (exposure, pictures) = shown(pair, comparison);
+    row(comparison, names, exposure, pictures)
+}
+
+/// The exposure that suits the reference; ours and the reference at it, and the difference in colours.
+fn shown(pair: &Pair, comparison: &Comparison) -> (f32, [RgbImage; 3]) {
+    let mean = comparison.mean_reference as f32;
+    // Irradiance is shown as a white surface would reflect it.
+    let gain = if pair.quantity == "irradiance" { 1.0 / PI } else { 1.0 };
+    let shown = |picture: &Picture| scaled(&kept(picture, &pair.kept), gain);
+    let lit = if mean > 0.0 { &pair.reference } else { &pair.ours };
+    let exposure = tone::auto_exposure(&shown(lit).pixels);
+    let [ours, theirs] = [&pair.ours, &pair.reference].map(|p| shown(p).srgb(Layer::Final, exposure));
+    (exposure, [ours, theirs, difference_colors(&difference(pair), &pair.kept, mean)])
+}
+
+fn row(
     c: &Comparison,
-    reference: &str,
+    [ours, reference]: [String; 2],
     exposure: f32,
     pictures: [RgbImage; 3],
 ) -> Vec<([String; 2], RgbImage)> {
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{:.2}%", 100.0 * v));
-    let title = format!("{} {}", pair.layer, pair.quantity);
     let captions = [
-        [format!("{title}: ours"), format!("mean {:.4}, shown at {exposure:+.1} EV", c.mean_ours)],
-        [
-            format!("{title}: {reference}"),
-            format!("mean {:.4}, noise {}", c.mean_reference, percent(c.noise)),
-        ],
+        [ours, format!("mean {:.4}, shown at {exposure:+.1} EV", c.mean_ours)],
+        [reference, format!("mean {:.4}, noise {}", c.mean_reference, percent(c.noise))],
         [
             format!(
                 "ours/reference {}, NRMSE {}, trimmed {}",

@@ -10,7 +10,7 @@ use lumivox_oracle::scene::{Camera, Scene};
 use lumivox_oracle::tracer::{self, PixelFilter, Rendering, Tracer};
 
 use super::args::CompareArgs;
-use crate::args::{GiArg, Size};
+use crate::args::Size;
 use crate::render;
 
 /// Noise is low when it is at most this share of the error it is to show.
@@ -87,28 +87,37 @@ pub(crate) struct Traced {
     pub(crate) seconds: f64,
 }
 
-/// Traces paths, through pixel centres unless ours is antialiased, in rounds, each as long as all before it, until `quiet` says that the noise is
-/// low or a limit is reached.
+/// What the path tracer is asked for, and where it stops although its noise is not low yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Budget {
+    pub(crate) size: Size,
+    pub(crate) seed: u64,
+    pub(crate) filter: PixelFilter,
+    /// Most bounces; none for all.
+    pub(crate) bounces: Option<u32>,
+    pub(crate) max_samples: u32,
+    pub(crate) max_seconds: u32,
+}
+
+/// Traces paths in rounds, each as long as all before it, until `quiet` says that the noise is low or a limit is reached.
 pub(crate) fn trace(
     scene: &Scene,
     camera: &Camera,
-    args: &CompareArgs,
-    size: Size,
+    budget: &Budget,
     quiet: impl Fn(&Rendering) -> bool,
 ) -> Result<Traced> {
     let start = Instant::now();
     let settings = tracer::Settings {
-        width: size.0,
-        height: size.1,
-        seed: args.seed,
-        filter: if args.points_a_side() > 1 { PixelFilter::Box } else { PixelFilter::Center },
-        // Without indirect light of ours there is nothing to hold bounces against.
-        bounces: matches!(args.shot.gi, GiArg::Off).then_some(0),
+        width: budget.size.0,
+        height: budget.size.1,
+        seed: budget.seed,
+        filter: budget.filter,
+        bounces: budget.bounces,
         ..tracer::Settings::default()
     };
     let tracer = Tracer::new(scene)?;
     let mut film = tracer.film(camera, &settings)?;
-    let mut samples = FIRST_ROUND.min(args.max_samples);
+    let mut samples = FIRST_ROUND.min(budget.max_samples);
     loop {
         let round = Instant::now();
         let bar = render::progress(1000, "path tracing");
@@ -117,10 +126,10 @@ pub(crate) fn trace(
         let rendering = film.rendering();
         let taken = film.samples();
         let seconds = start.elapsed().as_secs_f64();
-        let rest = f64::from(args.max_seconds) - seconds;
+        let rest = f64::from(budget.max_seconds) - seconds;
         let affordable = (rest / round.elapsed().as_secs_f64() * f64::from(samples)) as u32;
         let wanted = if taken < SECOND_ROUND { SECOND_ROUND - taken } else { taken };
-        samples = wanted.min(args.max_samples - taken).min(affordable);
+        samples = wanted.min(budget.max_samples - taken).min(affordable);
         // Less than an eighth more would not be worth its while.
         if (taken >= SECOND_ROUND && quiet(&rendering)) || samples == 0 || 8 * samples < taken.min(wanted) {
             return Ok(Traced { rendering, samples: taken, seconds });

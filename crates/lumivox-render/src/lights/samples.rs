@@ -7,8 +7,8 @@ use lumivox_scene::Light;
 
 use super::{LIGHT_RECT, LIGHT_SKY, LightUniform, ViewShape, point_like, unit};
 
-/// The step of a spiral or lattice whose points never line up.
-const GOLDEN_SECTION: f32 = 0.618_034;
+/// The step of a spiral or lattice whose points never line up: the golden section, of 2^32.
+const GOLDEN_STEP: u32 = 0x9e37_79b9;
 
 /// A whole light without extent, or one sample of an area light.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +41,13 @@ pub fn area_samples(lights: &[Light], sky: Vec3, count: u32) -> Vec<LightSample>
     lights.iter().flat_map(|l| light_samples(l, count.div_ceil(4))).chain(sky).collect()
 }
 
+/// What is left of `start` and `n` golden sections without whole turns. In integers: a float of 32 bits has room for three
+/// digits of it when `n` is a few ten thousand, and with 65,536 samples light came out worse than with half as many.
+fn golden_turn(n: u32, start: f32) -> f32 {
+    let turns = n.wrapping_mul(GOLDEN_STEP) as f32 / (u32::MAX as f32 + 1.0);
+    (start + turns).fract()
+}
+
 /// Points of equal weight: a Fibonacci lattice, whose points lie evenly along both edges and across.
 fn rect_samples(origin: Vec3, u: Vec3, v: Vec3, radiance: Vec3, count: u32) -> Vec<LightSample> {
     let area_normal = u.cross(v);
@@ -48,7 +55,7 @@ fn rect_samples(origin: Vec3, u: Vec3, v: Vec3, radiance: Vec3, count: u32) -> V
     let intensity = radiance * (area_normal.length().min(f32::MAX) / count.max(1) as f32);
     (0..count)
         .map(|n| {
-            let st = Vec2::new((n as f32 + 0.5) / count as f32, (0.5 + n as f32 * GOLDEN_SECTION).fract());
+            let st = Vec2::new((n as f32 + 0.5) / count as f32, golden_turn(n, 0.5));
             LightSample {
                 uniform: LightUniform {
                     position: origin + st.x * u + st.y * v,
@@ -83,7 +90,7 @@ pub fn sky_samples(radiance: Vec3, count: u32) -> Vec<LightSample> {
                 ((above - from_top) / BELOW_HORIZON, BELOW_HORIZON)
             };
             let radius = (1.0 - y * y).max(0.0).sqrt();
-            let (sin, cos) = (TAU * (n as f32 * GOLDEN_SECTION).fract()).sin_cos();
+            let (sin, cos) = (TAU * golden_turn(n, 0.0)).sin_cos();
             let solid_angle = TAU / (share * count as f32);
             LightSample {
                 uniform: LightUniform {
@@ -113,6 +120,18 @@ mod tests {
                 samples.iter().map(|s| s.uniform.intensity * n.dot(-s.uniform.direction).max(0.0)).sum();
             let expected = PI * Vec3::new(1.0, 2.0, 0.5);
             assert!((sum - expected).abs().cmple(0.005 * expected).all(), "{n}: {sum} {expected}");
+        }
+    }
+
+    /// Between neighbours of a golden lattice there are at most three distances, and none is many times another.
+    #[test]
+    fn many_steps_stay_evenly_spread() {
+        for count in [1024, 65_536] {
+            let mut turns: Vec<f64> = (0..count).map(|n| f64::from(golden_turn(n, 0.0))).collect();
+            turns.sort_by(f64::total_cmp);
+            let gaps = turns.windows(2).map(|pair| f64::from(count) * (pair[1] - pair[0]));
+            let (least, most) = gaps.fold((f64::MAX, 0.0_f64), |(l, m), gap| (l.min(gap), m.max(gap)));
+            assert!(least > 0.3 && most < 2.0, "{count}: {least} {most}");
         }
     }
 

@@ -12,6 +12,7 @@
 //! | `trace` | rays through the sub-cells; empty cells and blocks are crossed in one step |
 //! | `bounce` | radiance of what the rays met becomes irradiance, and irradiance radiance |
 //! | `reconstruction` | irradiance at a pixel from the surfels around it that face its way |
+//! | `lattice` | light in free space, for an [`IrradianceVolume`] |
 //!
 //! **Sub-cells.** Visibility is decided in a grid four times as fine as the volume, a bit for each sub-cell, 8 bytes for each
 //! cell; colours stay in the volume. A wall a quarter of a cell thick holds light back, and has a surfel on
@@ -31,15 +32,19 @@
 
 mod bounce;
 mod direct;
+mod lattice;
 mod mask;
 mod reconstruction;
 mod surfels;
 mod trace;
 mod view_subcells;
 
+pub use lattice::LatticeUniform;
+
 use glam::Vec3;
 
 use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
+use crate::irradiance::IrradianceVolume;
 use crate::progressive::{LightView, ViewInput};
 use crate::volume::{VolumeBuffer, check_grid};
 use crate::wgsl::HALF_MAX;
@@ -48,6 +53,10 @@ use crate::wgsl::HALF_MAX;
 const SURFEL: &str = include_str!("surfel.wgsl");
 /// The shared shader part of rays; after [`SURFEL`].
 const MARCH: &str = include_str!("march.wgsl");
+/// Which surfel a ray met; after [`MARCH`].
+const MET: &str = include_str!("met.wgsl");
+/// What a ray sees; after [`MET`].
+const SEEN: &str = include_str!("seen.wgsl");
 
 /// Places of a cell in the table of surfels: two for each face.
 const SIDES: usize = 12;
@@ -146,6 +155,7 @@ struct Passes {
     direct: direct::Direct,
     view_subcells: view_subcells::ViewSubcells,
     trace: trace::Trace,
+    lattice: lattice::Lattice,
     take_light: bounce::Bounce,
     bounce: bounce::Bounce,
     looking: reconstruction::Reconstruction,
@@ -221,6 +231,7 @@ impl GatheredLight {
                 direct: direct::Direct::new(gpu),
                 view_subcells: view_subcells::ViewSubcells::new(gpu),
                 trace: trace::Trace::new(gpu),
+                lattice: lattice::Lattice::new(gpu),
                 take_light: bounce::Bounce::new(gpu, false),
                 bounce: bounce::Bounce::new(gpu, true),
                 looking: reconstruction::Reconstruction::new(gpu, true),
@@ -383,6 +394,21 @@ impl GatheredLight {
         pass.record(gpu, encoder, volume, &self.store, view, target)
     }
 
+    /// Fills the `slice`-th of `slices` parts of an irradiance volume over this volume's grid, with `rays` rays for each point, 1 to
+    /// 1024. More rays mean less grain; 64 leave a few percent. A host that has no frame to spare asks for one slice a frame,
+    /// in turn; once for each volume in a frame.
+    pub fn record_irradiance_volume(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        target: &mut IrradianceVolume,
+        (rays, slice, slices): (u32, u32, u32),
+    ) -> Result<(), GpuError> {
+        let part = (rays.clamp(1, 1024), slice, slices);
+        self.passes.lattice.record(gpu, encoder, (volume, &self.uniform), &self.store, target, part)
+    }
+
     /// How many surfels there are. Waits; not for use inside a frame.
     pub fn count(&self, gpu: &Gpu) -> Result<SurfelCount, GpuError> {
         let counts: Vec<i32> = read_buffer(gpu, &self.store.counts)?;
@@ -447,6 +473,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         view_subcells::CLEANUP,
         view_subcells::INJECTION,
         trace::SHADER,
+        lattice::SHADER,
         bounce::SHADER,
         reconstruction::SHADER,
     ]

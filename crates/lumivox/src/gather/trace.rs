@@ -8,11 +8,11 @@ use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, OCTAHEDRON, linear_groups};
 
-use super::{GatherUniform, MARCH, SURFEL, Store};
+use super::{GatherUniform, MARCH, MET, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/trace",
-    parts: &[GRID, FACE, OCTAHEDRON, SURFEL, MARCH, include_str!("trace.wgsl")],
+    parts: &[GRID, FACE, OCTAHEDRON, SURFEL, MARCH, MET, include_str!("trace.wgsl")],
 };
 
 #[derive(Debug)]

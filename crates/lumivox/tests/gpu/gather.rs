@@ -44,7 +44,7 @@ impl Room {
     }
 
     /// One frame without views.
-    fn frame(&mut self, gpu: &Gpu, bounces: u32) -> Result<(), GpuError> {
+    pub(crate) fn frame(&mut self, gpu: &Gpu, bounces: u32) -> Result<(), GpuError> {
         let Self { volume, light } = self;
         light.begin_frame(gpu);
         run(gpu, |e| {
@@ -63,7 +63,7 @@ pub(crate) fn upload(gpu: &Gpu, volume: &mut VolumeBuffer, cells: &Cells) -> Res
 }
 
 /// Sub-cells, as a predicate of their positions, and the cells that hold them.
-fn filled(side: u32, albedo: f32, is_filled: impl Fn(UVec3) -> bool) -> (Cells, Vec<u64>) {
+pub(crate) fn filled(side: u32, albedo: f32, is_filled: impl Fn(UVec3) -> bool) -> (Cells, Vec<u64>) {
     let mut cells = Cells::new(side);
     let mut bits = vec![0u64; cells.grid.cell_count() as usize];
     for cell in cells.grid.cells().collect::<Vec<_>>() {

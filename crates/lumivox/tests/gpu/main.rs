@@ -9,6 +9,7 @@ mod definition;
 mod energy;
 mod gather;
 mod gather_views;
+mod irradiance;
 mod light;
 mod lighting;
 mod picture;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         energy::TESTS,
         gather::TESTS,
         gather_views::TESTS,
+        irradiance::TESTS,
         contract::TESTS,
         single_pass::TESTS,
     ]

@@ -1,0 +1,82 @@
+//! Light at the points of an [`IrradianceVolume`]: from each, rays all around through the sub-cells, to the surfels that they meet.
+//!
+//! The directions of a point are the same in each frame, so at rest its light stands still. Points inside of something
+//! take the nearest free place around them, up to a spacing away; those that find none stay dark.
+
+use glam::UVec3;
+
+use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
+use crate::irradiance::IrradianceVolume;
+use crate::volume::VolumeBuffer;
+use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK, SH, linear_groups};
+
+use super::{GatherUniform, MARCH, MET, SEEN, SURFEL, Store};
+
+pub(super) const SHADER: Shader = Shader {
+    name: "gather/lattice",
+    parts: &[GRID, FACE, PACK, SH, OCTAHEDRON, SURFEL, MARCH, MET, SEEN, include_str!("lattice.wgsl")],
+};
+
+crate::gpu_struct! {
+    /// Which points of a lattice are asked, and how.
+    pub struct LatticeUniform {
+        /// Points along x, y, z.
+        pub dims: UVec3,
+        /// Cells between points.
+        pub spacing: u32,
+        /// The first point of this frame, and their number.
+        pub first: u32,
+        /// How many follow.
+        pub count: u32,
+        /// Rays of a point.
+        pub rays: u32,
+        /// Unused.
+        pub reserved: u32,
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Lattice {
+    pass: ComputePass,
+    uniform: Uniform<LatticeUniform>,
+}
+
+impl Lattice {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let uniform = Uniform::new(gpu, "gather/lattice", &bytemuck::Zeroable::zeroed());
+        Self { pass: ComputePass::new(gpu, &SHADER, &[]), uniform }
+    }
+
+    /// Asks the `slice`-th of `slices` parts of the lattice.
+    pub(super) fn record(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
+        store: &Store,
+        target: &mut IrradianceVolume,
+        (rays, slice, slices): (u32, u32, u32),
+    ) -> Result<(), GpuError> {
+        let points = target.dims.element_product();
+        let part = points.div_ceil(slices.max(1));
+        let first = (slice * part).min(points);
+        let count = part.min(points - first);
+        let uniform =
+            LatticeUniform { dims: target.dims, spacing: target.spacing, first, count, rays, reserved: 0 };
+        self.uniform.write(gpu, &uniform);
+        let [red, green, blue] = &mut target.textures;
+        let bindings = Bindings::new()
+            .read("grid", volume.grid_uniform())
+            .read("settings", settings)
+            .read("lattice", &self.uniform)
+            .read("mask", &store.mask)
+            .read("blocks", &store.blocks)
+            .read("table", &store.table)
+            .read("surfels", &store.surfels)
+            .read("shine", &store.shine)
+            .write_texture("red", red)
+            .write_texture("green", green)
+            .write_texture("blue", blue);
+        self.pass.record(gpu, encoder, &bindings, linear_groups(count))
+    }
+}
