@@ -6,6 +6,7 @@ use std::str::FromStr;
 use anyhow::{Context, Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
+use lumivox::gather::Quality;
 use lumivox_render::{GiMethod, Layer, VoxelSource};
 use lumivox_scene::Camera;
 
@@ -89,9 +90,13 @@ pub(crate) struct ShotArgs {
     /// otherwise.
     #[arg(long, value_name = "NAME|N|none")]
     pub(crate) clip: Option<ClipArg>,
-    /// Cells along the longest side of the scene.
-    #[arg(long, default_value_t = 64)]
-    pub(crate) grid: u32,
+    /// How well indirect light is found: rays, points asked for light, bounces, and cells unless --grid says how many. Stills take high
+    /// unless said otherwise, series medium.
+    #[arg(long, value_enum)]
+    pub(crate) quality: Option<QualityArg>,
+    /// Cells along the longest side of the scene: 64 unless --quality says otherwise.
+    #[arg(long)]
+    pub(crate) grid: Option<u32>,
     /// Where voxels come from. Stills take triangles unless said otherwise, series progressive.
     #[arg(long, value_enum)]
     pub(crate) voxelizer: Option<VoxelizerArg>,
@@ -191,6 +196,29 @@ impl From<GiArg> for GiMethod {
             GiArg::Off => Self::Off,
             GiArg::Propagation => Self::Propagation,
             GiArg::Gather => Self::Gather,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum QualityArg {
+    /// 32 cells, 32 rays a surfel over four frames.
+    Low,
+    /// 64 cells, 64 rays over two frames.
+    Medium,
+    /// 64 cells, 256 rays.
+    High,
+    /// 128 cells, 512 rays: slow, to see what is left of the error.
+    Reference,
+}
+
+impl From<QualityArg> for Quality {
+    fn from(arg: QualityArg) -> Self {
+        match arg {
+            QualityArg::Low => Self::Low,
+            QualityArg::Medium => Self::Medium,
+            QualityArg::High => Self::High,
+            QualityArg::Reference => Self::Reference,
         }
     }
 }

@@ -4,6 +4,7 @@
 use anyhow::Result;
 use glam::{UVec2, Vec3};
 use image::RgbImage;
+use lumivox::gather::{GatherSettings, Quality};
 use lumivox_render::{Layer, Renderer, Settings, VoxelSource};
 use lumivox_scene::{Camera, builtin};
 use serde::Serialize;
@@ -57,7 +58,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         size: UVec2::new(args.size.0, args.size.1),
         grid: args.grid,
         iterations: args.iterations,
-        gather: render::SERIES_RAYS,
+        gather: GatherSettings::of(Quality::Medium),
         rsm_size: 512,
         points: 400,
         area_samples: 32,

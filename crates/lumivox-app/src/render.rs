@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
-use lumivox::gather::GatherSettings;
+use lumivox::gather::Quality;
 use lumivox::light::LightSettings;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Scene};
@@ -18,9 +18,6 @@ use crate::{clock, info, lighting};
 
 /// Light has settled when this share of what was sent out is still under way.
 const SETTLED: f64 = 0.01;
-/// In a series, half of the rays are traced in each frame.
-pub(crate) const SERIES_RAYS: GatherSettings =
-    GatherSettings { rays: 64, frames: 2, light_points: 16, surfels: None, sky: Vec3::ZERO };
 /// Bounces of gathered light that a still makes at a time, and when it gives up.
 const BOUNCES: u32 = 8;
 const MAX_BOUNCES: u32 = 256;
@@ -162,20 +159,20 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         None if still => VoxelSource::Triangles,
         None => VoxelSource::Progressive,
     };
+    let usual = if still { Quality::High } else { Quality::Medium };
+    let preset = Settings::of(shot.quality.map_or(usual, Quality::from));
     Settings {
         size: UVec2::new(size.0, size.1),
-        grid: shot.grid,
+        grid: shot.grid.unwrap_or(preset.grid),
         voxels: source,
         gi: shot.gi.into(),
         // A still starts with none, to learn how much light there is to settle.
         iterations: if still { 0 } else { shot.iterations },
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
-        gather: if still { GatherSettings { rays: 256, ..GatherSettings::default() } } else { SERIES_RAYS },
         layer,
         shadow_size: shot.shadow_size.unwrap_or(if still { 4096 } else { 2048 }),
         area_samples: shot.light_samples.unwrap_or_else(|| light_samples(scene, still)),
-        area_maps: if still { 64 } else { 32 },
-        ..Settings::default()
+        ..preset
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is rendered, and how well.
 
 use glam::UVec2;
-use lumivox::gather::GatherSettings;
+use lumivox::gather::{GatherSettings, Quality};
 use lumivox::light::LightSettings;
 
 use crate::composite::Layer;
@@ -71,6 +71,29 @@ pub struct Settings {
     pub filtered_textures: bool,
     /// What the picture shows.
     pub layer: Layer,
+}
+
+impl Settings {
+    /// The defaults with what a preset says about indirect light.
+    ///
+    /// | preset | cells along the longest side | bounces per frame | maps of a large light |
+    /// | --- | ---: | ---: | ---: |
+    /// | low | 32 | 1 | 8 |
+    /// | medium | 64 | 2 | 32 |
+    /// | high | 64 | 2 | 64 |
+    /// | reference | 128 | 4 | 256 |
+    ///
+    /// Rays and points are those of [`GatherSettings::of`]. Memory and the number of surfels grow eight- and fourfold with twice the
+    /// cells.
+    pub fn of(quality: Quality) -> Self {
+        let (grid, bounces, area_maps) = match quality {
+            Quality::Low => (32, 1, 8),
+            Quality::Medium => (64, 2, 32),
+            Quality::High => (64, 2, 64),
+            Quality::Reference => (128, 4, 256),
+        };
+        Self { grid, bounces, area_maps, gather: GatherSettings::of(quality), ..Self::default() }
+    }
 }
 
 impl Default for Settings {

@@ -2,9 +2,9 @@
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{ALBEDO, EMISSION, VolumeBuffer};
-use crate::wgsl::{GRID, OCTAHEDRON, PACK, linear_groups};
+use crate::wgsl::{GRID, OCTAHEDRON, PACK};
 
-use super::{GatherUniform, SURFEL, Store};
+use super::{GatherUniform, SURFEL, Store, dispatch};
 
 pub(super) const SHADER: Shader =
     Shader { name: "gather/bounce", parts: &[GRID, PACK, OCTAHEDRON, SURFEL, include_str!("bounce.wgsl")] };
@@ -24,7 +24,6 @@ impl Bounce {
         encoder: &mut wgpu::CommandEncoder,
         (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
         store: &mut Store,
-        capacity: u32,
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
             .read("settings", settings)
@@ -35,6 +34,6 @@ impl Bounce {
             .read("hits", &store.hits)
             .read("before", &store.shine)
             .write("after", &mut store.next_shine);
-        self.0.record(gpu, encoder, &bindings, linear_groups(capacity))
+        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
     }
 }

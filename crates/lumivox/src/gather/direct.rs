@@ -6,9 +6,9 @@
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::progressive::LightView;
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{GRID, OCTAHEDRON, PACK, VIEW, VISIBILITY, linear_groups};
+use crate::wgsl::{GRID, OCTAHEDRON, PACK, VIEW, VISIBILITY};
 
-use super::{GatherUniform, SURFEL, Store};
+use super::{GatherUniform, SURFEL, Store, dispatch};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/direct",
@@ -38,7 +38,6 @@ impl Direct {
         view: LightView<'_>,
         (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
         store: &mut Store,
-        capacity: u32,
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
@@ -49,6 +48,6 @@ impl Direct {
             .read("radiance", view.radiance)
             .read("surfels", &store.surfels)
             .write("light", &mut store.light);
-        self.0.record(gpu, encoder, &bindings, linear_groups(capacity))
+        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
     }
 }

@@ -32,14 +32,17 @@
 
 mod bounce;
 mod direct;
+mod dispatch;
 mod lattice;
 mod mask;
 mod reconstruction;
+mod settings;
 mod surfels;
 mod trace;
 mod view_subcells;
 
 pub use lattice::LatticeUniform;
+pub use settings::{GatherSettings, GatherUniform, Quality};
 
 use glam::Vec3;
 
@@ -68,49 +71,6 @@ const MASK_BYTES: u64 = 8;
 const NO_SURFEL: u32 = u32::MAX;
 /// A ray not traced yet.
 const UNTRACED: u32 = u32::MAX - 2;
-
-/// How light is gathered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GatherSettings {
-    /// Rays of a surfel, 1 to 1024. More mean less grain; the error of a surfel's irradiance falls about as fast as their number
-    /// grows. Memory is 4 bytes a ray.
-    pub rays: u32,
-    /// Frames over which the rays of all surfels are traced anew, 1 to `rays`. With more a frame costs less, and what moves is
-    /// seen later by others.
-    pub frames: u32,
-    /// Points of a surfel at which a view is asked for light, 1 to 64. More resolve the edges of shadows.
-    pub light_points: u32,
-    /// Room for surfels. Without it two for each cell, or as many as fit into a binding, if that is less, and six in grids of up
-    /// to 10,000 cells: at 64 cells a side a room needs one to five cells, a palace of arches nine to ten. Those that find no
-    /// room are dark, and counted.
-    pub surfels: Option<u32>,
-    /// Radiance of the sky, that rays meet which leave the grid, W/(m2 sr).
-    pub sky: Vec3,
-}
-
-impl Default for GatherSettings {
-    fn default() -> Self {
-        Self { rays: 128, frames: 1, light_points: 16, surfels: None, sky: Vec3::ZERO }
-    }
-}
-
-crate::gpu_struct! {
-    /// [`GatherSettings`] of one frame as shaders see it.
-    pub struct GatherUniform {
-        /// Radiance of the sky.
-        pub sky: Vec3,
-        /// Rays of a surfel.
-        pub rays: u32,
-        /// The first of those traced this frame.
-        pub first_ray: u32,
-        /// Rays of a surfel traced this frame.
-        pub traced_rays: u32,
-        /// Room for surfels.
-        pub capacity: u32,
-        /// Points of a surfel at which a view is asked.
-        pub light_points: u32,
-    }
-}
 
 /// Surfels in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +112,7 @@ struct Passes {
     known_subcells: mask::Mask,
     free: surfels::Surfels,
     give: surfels::Surfels,
+    dispatch: dispatch::Dispatch,
     direct: direct::Direct,
     view_subcells: view_subcells::ViewSubcells,
     trace: trace::Trace,
@@ -172,6 +133,7 @@ struct Store {
     surfels: Buffer,
     free_places: Buffer,
     counts: Buffer,
+    dispatch: Buffer,
     light: Buffer,
     hits: Buffer,
     shine: Buffer,
@@ -207,7 +169,8 @@ impl GatheredLight {
             table: make("table", cells * TABLE_BYTES)?,
             surfels: make("surfels", capacity * 16)?,
             free_places: make("free places", capacity * 4)?,
-            counts: make("counts", 8)?,
+            counts: make("counts", 12)?,
+            dispatch: dispatch::Dispatch::sizes(gpu),
             light: make("direct light", capacity * 16)?,
             hits: make("hits", capacity * 4 * u64::from(settings.rays))?,
             shine: make("shine", capacity * 16)?,
@@ -221,13 +184,14 @@ impl GatheredLight {
         write(&store.surfels, &vec![NO_SURFEL; 4 * capacity as usize]);
         // Low places are given out first.
         write(&store.free_places, &(0..capacity).rev().collect::<Vec<_>>());
-        write(&store.counts, &[capacity, 0]);
+        write(&store.counts, &[capacity, 0, 0]);
         let mut light = Self {
             passes: Passes {
                 whole_cells: mask::Mask::new(gpu, false),
                 known_subcells: mask::Mask::new(gpu, true),
                 free: surfels::Surfels::new(gpu, true),
                 give: surfels::Surfels::new(gpu, false),
+                dispatch: dispatch::Dispatch::new(gpu),
                 direct: direct::Direct::new(gpu),
                 view_subcells: view_subcells::ViewSubcells::new(gpu),
                 trace: trace::Trace::new(gpu),
@@ -328,7 +292,9 @@ impl GatheredLight {
         // The count of those that find no room.
         encoder.clear_buffer(&self.store.counts.raw, 4, Some(4));
         self.passes.free.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
-        self.passes.give.record(gpu, encoder, (volume, &self.uniform), &mut self.store)
+        self.passes.give.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
+        let Store { counts, dispatch, .. } = &mut self.store;
+        self.passes.dispatch.record(gpu, encoder, &self.uniform, counts, dispatch)
     }
 
     /// Takes away all direct light; each frame, before that of its views.
@@ -345,8 +311,8 @@ impl GatheredLight {
         view: impl Into<LightView<'v>>,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
-        let Self { passes, uniform, store, capacity, .. } = self;
-        passes.direct.record(gpu, encoder, view.into(), (volume, uniform), store, *capacity)
+        let Self { passes, uniform, store, .. } = self;
+        passes.direct.record(gpu, encoder, view.into(), (volume, uniform), store)
     }
 
     /// Traces this frame's rays.
@@ -356,8 +322,7 @@ impl GatheredLight {
         encoder: &mut wgpu::CommandEncoder,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
-        let rays = self.capacity * self.settings.rays.div_ceil(self.settings.frames);
-        self.passes.trace.record(gpu, encoder, (volume, &self.uniform), &mut self.store, rays)
+        self.passes.trace.record(gpu, encoder, (volume, &self.uniform), &mut self.store)
     }
 
     /// Takes up the light of this frame's views and of the volume's emission, and adds `count` bounces to what the frames before
@@ -370,9 +335,9 @@ impl GatheredLight {
         count: u32,
     ) -> Result<(), GpuError> {
         for n in 0..=count {
-            let Self { passes, uniform, store, capacity, .. } = self;
+            let Self { passes, uniform, store, .. } = self;
             let pass = if n == 0 { &passes.take_light } else { &passes.bounce };
-            pass.record(gpu, encoder, (volume, uniform), store, *capacity)?;
+            pass.record(gpu, encoder, (volume, uniform), store)?;
             std::mem::swap(&mut self.store.shine, &mut self.store.next_shine);
         }
         Ok(())
@@ -472,6 +437,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         direct::SHADER,
         view_subcells::CLEANUP,
         view_subcells::INJECTION,
+        dispatch::SHADER,
         trace::SHADER,
         lattice::SHADER,
         bounce::SHADER,

@@ -5,8 +5,9 @@
 @group(0) @binding(2) var<storage, read> mask: array<vec2u>;
 @group(0) @binding(3) var<storage, read_write> table: array<u32>;
 @group(0) @binding(4) var<storage, read_write> surfels: array<vec4u>;
-// Numbers of free places, a stack; first its height, then how many surfels found none.
+// Numbers of free places, a stack.
 @group(0) @binding(5) var<storage, read_write> free_places: array<u32>;
+// The height of the stack, how many surfels found no place on it, and how far places have ever been given out.
 @group(0) @binding(6) var<storage, read_write> counts: array<atomic<i32>>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> hits: array<u32>;
@@ -122,6 +123,7 @@ fn keep_place(side: u32, surfel: Surfel) {
         return;
     }
     let given = free_places[height - 1];
+    atomicMax(&counts[2], i32(given) + 1);
     surfels[given] = pack_surfel(surfel);
     table[at] = given;
     light[given] = vec4f(0.0);

@@ -6,9 +6,9 @@
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
-use crate::wgsl::{FACE, GRID, OCTAHEDRON, linear_groups};
+use crate::wgsl::{FACE, GRID, OCTAHEDRON};
 
-use super::{GatherUniform, MARCH, MET, SURFEL, Store};
+use super::{GatherUniform, MARCH, MET, SURFEL, Store, dispatch};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/trace",
@@ -29,7 +29,6 @@ impl Trace {
         encoder: &mut wgpu::CommandEncoder,
         (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
         store: &mut Store,
-        rays: u32,
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
@@ -39,6 +38,6 @@ impl Trace {
             .read("table", &store.table)
             .read("surfels", &store.surfels)
             .write("hits", &mut store.hits);
-        self.0.record(gpu, encoder, &bindings, linear_groups(rays))
+        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_RAYS)
     }
 }

@@ -1,6 +1,6 @@
 //! Compute and full-screen passes. A pass is made once, holds its pipeline, and is recorded any number of times.
 
-use super::{Bindings, Gpu, GpuError, Program, Shader, Texture};
+use super::{Bindings, Buffer, Gpu, GpuError, Program, Shader, Texture};
 
 /// A compute pass: one entry point, `main`.
 #[derive(Debug)]
@@ -34,6 +34,29 @@ impl ComputePass {
         bindings: &Bindings<'_>,
         groups: [u32; 3],
     ) -> Result<(), GpuError> {
+        self.begin(gpu, encoder, bindings)?.dispatch_workgroups(groups[0], groups[1], groups[2]);
+        Ok(())
+    }
+
+    /// Records one dispatch whose numbers of workgroups lie in a buffer when it runs, from byte `offset` on.
+    pub fn record_indirect(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        bindings: &Bindings<'_>,
+        groups: &Buffer,
+        offset: u64,
+    ) -> Result<(), GpuError> {
+        self.begin(gpu, encoder, bindings)?.dispatch_workgroups_indirect(&groups.raw, offset);
+        Ok(())
+    }
+
+    fn begin<'e>(
+        &self,
+        gpu: &Gpu,
+        encoder: &'e mut wgpu::CommandEncoder,
+        bindings: &Bindings<'_>,
+    ) -> Result<wgpu::ComputePass<'e>, GpuError> {
         gpu.check()?;
         let bind_group = self.program.bind(gpu, 0, bindings)?;
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -42,8 +65,7 @@ impl ComputePass {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &bind_group, &[]);
-        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
-        Ok(())
+        Ok(pass)
     }
 }
 

@@ -1,0 +1,81 @@
+//! How light is gathered.
+
+use glam::Vec3;
+
+/// How light is gathered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatherSettings {
+    /// Rays of a surfel, 1 to 1024. More mean less grain; the error of a surfel's irradiance falls about as fast as their number
+    /// grows. Memory is 4 bytes a ray.
+    pub rays: u32,
+    /// Frames over which the rays of all surfels are traced anew, 1 to `rays`. With more a frame costs less, and what moves is
+    /// seen later by others.
+    pub frames: u32,
+    /// Points of a surfel at which a view is asked for light, 1 to 64. More resolve the edges of shadows.
+    pub light_points: u32,
+    /// Room for surfels. Without it two for each cell, or as many as fit into a binding, if that is less, and six in grids of up
+    /// to 10,000 cells: at 64 cells a side a room needs one to five cells, a palace of arches nine to ten. Those that find no
+    /// room are dark, and counted.
+    pub surfels: Option<u32>,
+    /// Radiance of the sky, that rays meet which leave the grid, W/(m2 sr).
+    pub sky: Vec3,
+}
+
+impl GatherSettings {
+    /// The knobs of a preset, under a black sky.
+    pub const fn of(quality: Quality) -> Self {
+        let (rays, frames, light_points) = match quality {
+            Quality::Low => (32, 4, 4),
+            Quality::Medium => (64, 2, 16),
+            Quality::High => (256, 1, 16),
+            Quality::Reference => (512, 1, 64),
+        };
+        Self { rays, frames, light_points, surfels: None, sky: Vec3::ZERO }
+    }
+}
+
+impl Default for GatherSettings {
+    /// Between [`Quality::Medium`] and [`Quality::High`]: all rays in every frame, and 128 of them.
+    fn default() -> Self {
+        Self { rays: 128, frames: 1, light_points: 16, surfels: None, sky: Vec3::ZERO }
+    }
+}
+
+/// Presets of [`GatherSettings`]. The cost of a frame is mostly its rays and its bounces, the error mostly that of the grid, which
+/// the host chooses.
+///
+/// | preset | rays of a surfel | traced per frame | points asked for light | bytes of a surfel |
+/// | --- | ---: | ---: | ---: | ---: |
+/// | low | 32 | 8 | 4 | 196 |
+/// | medium | 64 | 32 | 16 | 324 |
+/// | high | 256 | 256 | 16 | 1092 |
+/// | reference | 512 | 512 | 64 | 2116 |
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// For weak devices: grain of a tenth, and what moves is seen by all rays after four frames.
+    Low,
+    /// For motion.
+    Medium,
+    /// For pictures that stand still, or strong devices.
+    High,
+    /// To see what is left of the error when rays and points are plenty.
+    Reference,
+}
+
+crate::gpu_struct! {
+    /// [`GatherSettings`] of one frame as shaders see it.
+    pub struct GatherUniform {
+        /// Radiance of the sky.
+        pub sky: Vec3,
+        /// Rays of a surfel.
+        pub rays: u32,
+        /// The first of those traced this frame.
+        pub first_ray: u32,
+        /// Rays of a surfel traced this frame.
+        pub traced_rays: u32,
+        /// Room for surfels.
+        pub capacity: u32,
+        /// Points of a surfel at which a view is asked.
+        pub light_points: u32,
+    }
+}
