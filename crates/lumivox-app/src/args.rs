@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use lumivox::gather::Quality;
+use lumivox::lpv::Blocking;
 use lumivox_render::{GiMethod, Layer, VoxelSource};
 use lumivox_scene::Camera;
 
@@ -103,6 +104,9 @@ pub(crate) struct ShotArgs {
     /// Indirect light.
     #[arg(long, value_enum, default_value = "gather")]
     pub(crate) gi: GiArg,
+    /// What holds light back with --gi lpv.
+    #[arg(long, value_enum, default_value = "none")]
+    pub(crate) lpv_blocking: BlockingArg,
     /// Small lights that stand for the sky, each with a shadow map; a quarter as many stand for a rect light. More are smoother and
     /// slower. Stills take 1024, fewer down to 256 for many triangles, and series 64 unless said otherwise.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
@@ -184,6 +188,8 @@ impl From<VoxelizerArg> for VoxelSource {
 pub(crate) enum GiArg {
     /// Direct light only.
     Off,
+    /// Light propagation volumes: from cell to cell through everything. The baseline.
+    Lpv,
     /// From cell to cell, step by step: soft, and blurred.
     Propagation,
     /// Along rays through the volume: sharper, and nearer to the truth.
@@ -194,8 +200,29 @@ impl From<GiArg> for GiMethod {
     fn from(arg: GiArg) -> Self {
         match arg {
             GiArg::Off => Self::Off,
+            GiArg::Lpv => Self::Lpv,
             GiArg::Propagation => Self::Propagation,
             GiArg::Gather => Self::Gather,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum BlockingArg {
+    /// Nothing.
+    None,
+    /// Surfaces that views show.
+    Fuzzy,
+    /// These, and they reflect.
+    Reflecting,
+}
+
+impl From<BlockingArg> for Blocking {
+    fn from(arg: BlockingArg) -> Self {
+        match arg {
+            BlockingArg::None => Self::None,
+            BlockingArg::Fuzzy => Self::Fuzzy,
+            BlockingArg::Reflecting => Self::Reflecting,
         }
     }
 }

@@ -23,6 +23,9 @@ const BOUNCES: u32 = 8;
 const MAX_BOUNCES: u32 = 256;
 /// A still gives up settling after this many propagation steps.
 const MAX_STEPS: u32 = 8192;
+/// Steps of light propagation volumes in a still, for each cell of the longest side: as many as its authors take. Light that has
+/// not left by then diffuses to and fro for thousands of steps more.
+const LPV_STEPS: u32 = 2;
 /// Browsers play an animation with shorter delays than 20 ms at ten frames per second.
 const GIF_MAX_FPS: f32 = 50.0;
 
@@ -169,6 +172,7 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         // A still starts with none, to learn how much light there is to settle.
         iterations: if still { 0 } else { shot.iterations },
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
+        lpv_blocking: shot.lpv_blocking.into(),
         layer,
         shadow_size: shot.shadow_size.unwrap_or(if still { 4096 } else { 2048 }),
         area_samples: shot.light_samples.unwrap_or_else(|| light_samples(scene, still)),
@@ -202,12 +206,17 @@ pub(crate) fn still(
     }
     match gi {
         GiMethod::Off => {}
-        GiMethod::Propagation if iterations == 0 => {}
-        GiMethod::Propagation => {
+        GiMethod::Lpv | GiMethod::Propagation if iterations == 0 => {}
+        GiMethod::Lpv | GiMethod::Propagation => {
             let sent = renderer.light_in_volume()?;
             let mut left = sent;
+            let most = if gi == GiMethod::Lpv {
+                renderer.volume().grid().dims.max_element() * LPV_STEPS
+            } else {
+                MAX_STEPS
+            };
             let bar = progress(100, "light settles");
-            while left > SETTLED * sent && work.iterations < MAX_STEPS {
+            while left > SETTLED * sent && work.iterations < most {
                 frame = renderer.settle(iterations, clock)?;
                 stats::add_stages(&mut work.stages, &frame.stages);
                 work.frames += 1;
@@ -216,7 +225,7 @@ pub(crate) fn still(
                 bar.set_position((100.0 * ((left / sent).ln() / SETTLED.ln()).clamp(0.0, 1.0)) as u64);
             }
             bar.finish_and_clear();
-            work.settled = left <= SETTLED * sent;
+            work.settled = left <= SETTLED * sent || gi == GiMethod::Lpv;
         }
         GiMethod::Gather => {
             work.settled = false;

@@ -30,6 +30,7 @@
 //! | --- | --- |
 //! | *Progressive Screen-Space Multichannel Surface Voxelization*, 6.2 and 6.3; dissertation chapter 7 | [`progressive`] |
 //! | dissertation chapter 5: volume-based indirect light | [`light`] |
+//! | *Cascaded Light Propagation Volumes*, 2010, and before: what chapter 5 is measured against | [`lpv`] |
 //! | beyond the papers: indirect light along rays, all bounces, thin walls | [`gather`] |
 //! | the same light for any other shader: surfaces, particles, fog | [`irradiance`] |
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
@@ -42,6 +43,7 @@ pub mod gather;
 pub mod gpu;
 pub mod irradiance;
 pub mod light;
+pub mod lpv;
 pub mod progressive;
 pub mod volume;
 pub mod voxelize;
@@ -55,7 +57,8 @@ pub use wgpu;
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<gpu::Shader> {
-    [progressive::shaders(), light::shaders(), gather::shaders(), irradiance::shaders()].concat()
+    [progressive::shaders(), light::shaders(), lpv::shaders(), gather::shaders(), irradiance::shaders()]
+        .concat()
 }
 
 /// The texts that [`voxelize`] makes of some sets of channels, for validation and for reading.
@@ -68,6 +71,7 @@ pub fn shader_constants() -> Vec<(&'static str, f32)> {
     use lumivox_core::sh;
     vec![
         ("SH_Y0", sh::Y0),
+        ("SH_Y1", sh::Y1),
         ("SH_COS0", sh::COS0),
         ("SH_COS1", sh::COS1),
         ("SH_INTEGRAL", 1.0 / sh::Y0),

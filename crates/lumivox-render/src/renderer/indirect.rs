@@ -4,6 +4,7 @@ use lumivox::VolumeBuffer;
 use lumivox::gather::{GatherSettings, GatheredLight};
 use lumivox::gpu::{Gpu, GpuError, Texture};
 use lumivox::light::{IndirectLight, LightSettings};
+use lumivox::lpv::LightPropagationVolume;
 use lumivox::progressive::{DirectLight, ViewInput};
 use lumivox::wgpu::CommandEncoder;
 
@@ -13,6 +14,8 @@ use super::{GiMethod, Settings};
 /// Light of the volume.
 #[derive(Debug)]
 pub(super) enum Indirect {
+    /// From cell to cell through everything.
+    Lpv(Box<LightPropagationVolume>),
     /// From cell to cell.
     Propagated(Box<IndirectLight>),
     /// Along rays.
@@ -30,6 +33,10 @@ impl Indirect {
             let settings = GatherSettings { sky: light.sky, ..settings.gather };
             return Ok(Self::Gathered(Box::new(GatheredLight::new(gpu, volume, settings)?)));
         }
+        if settings.gi == GiMethod::Lpv {
+            let lpv = LightPropagationVolume::new(gpu, volume, settings.lpv_blocking)?;
+            return Ok(Self::Lpv(Box::new(lpv)));
+        }
         let propagated = IndirectLight::new(gpu, volume)?;
         propagated.update(gpu, &light);
         Ok(Self::Propagated(Box::new(propagated)))
@@ -38,6 +45,7 @@ impl Indirect {
     /// The stage that steps start from, and theirs.
     pub(super) fn stages(&self) -> [&'static str; 2] {
         match self {
+            Self::Lpv(_) => ["lpv/seed", "lpv/propagation"],
             Self::Propagated(_) => ["light/seed", "light/propagation"],
             Self::Gathered(_) => ["gather/trace", "gather/bounce"],
         }
@@ -52,8 +60,10 @@ impl Indirect {
 
     /// No direct light yet.
     pub(super) fn record_dark(&mut self, encoder: &mut CommandEncoder) {
-        if let Self::Gathered(light) = self {
-            light.record_dark(encoder);
+        match self {
+            Self::Lpv(light) => light.record_begin(encoder),
+            Self::Gathered(light) => light.record_dark(encoder),
+            Self::Propagated(_) => {}
         }
     }
 
@@ -78,12 +88,21 @@ impl Indirect {
         keeps: bool,
     ) -> Result<(), GpuError> {
         match self {
-            Self::Propagated(_) => Ok(()),
+            Self::Lpv(_) | Self::Propagated(_) => Ok(()),
             Self::Gathered(light) if keeps => light.record_cleanup(gpu, encoder, view, volume),
             Self::Gathered(light) => {
                 light.record_clear_subcells(encoder);
                 Ok(())
             }
+        }
+    }
+
+    /// The stage that takes light from lights' views, of the ways that ask these by themselves.
+    pub(super) fn light_stage(&self) -> Option<&'static str> {
+        match self {
+            Self::Lpv(_) => Some("lpv/injection"),
+            Self::Propagated(_) => None,
+            Self::Gathered(_) => Some("gather/direct"),
         }
     }
 
@@ -95,8 +114,19 @@ impl Indirect {
         source: &InjectedLight,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
-        let Self::Gathered(light) = self else { return Ok(()) };
-        source.views.iter().try_for_each(|v| light.record_light(gpu, encoder, &v.input, volume))
+        let mut views = source.views.iter().map(|v| &v.input);
+        match self {
+            Self::Lpv(light) => views.try_for_each(|view| {
+                if source.is_full {
+                    light.record_geometry(gpu, encoder, view, volume)?;
+                }
+                light.record_light(gpu, encoder, view, volume)
+            }),
+            Self::Propagated(_) => Ok(()),
+            Self::Gathered(light) => {
+                views.try_for_each(|view| light.record_light(gpu, encoder, view, volume))
+            }
+        }
     }
 
     /// Surfaces that a light's views show, after those that they prove gone.
@@ -132,15 +162,19 @@ impl Indirect {
         light.record_injection(gpu, encoder, view, volume)
     }
 
-    /// What steps start from: flux, or what rays meet.
+    /// What steps start from: virtual point lights and what `camera` shows in their way, flux, or what rays meet.
     pub(super) fn record_seed(
         &mut self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        volume: &VolumeBuffer,
-        direct: &DirectLight,
+        (volume, direct): (&VolumeBuffer, &DirectLight),
+        camera: &ViewInput,
     ) -> Result<(), GpuError> {
         match self {
+            Self::Lpv(light) => {
+                light.record_geometry(gpu, encoder, camera, volume)?;
+                light.record_seed(gpu, encoder, camera, volume)
+            }
             Self::Propagated(light) => {
                 light.record_transport(gpu, encoder, volume)?;
                 light.record_seed(gpu, encoder, volume, direct)
@@ -158,6 +192,7 @@ impl Indirect {
         steps: u32,
     ) -> Result<(), GpuError> {
         match self {
+            Self::Lpv(light) => light.record_propagation(gpu, encoder, volume, steps),
             Self::Propagated(light) => light.record_propagation(gpu, encoder, volume, steps),
             Self::Gathered(light) => light.record_bounces(gpu, encoder, volume, steps),
         }
@@ -173,6 +208,7 @@ impl Indirect {
         target: &mut Texture,
     ) -> Result<(), GpuError> {
         match self {
+            Self::Lpv(light) => light.record_reconstruction(gpu, encoder, volume, view, target),
             Self::Propagated(light) => light.record_reconstruction(gpu, encoder, volume, view, target),
             Self::Gathered(light) => light.record_reconstruction(gpu, encoder, volume, view, target),
         }

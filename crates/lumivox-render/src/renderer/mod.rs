@@ -234,6 +234,12 @@ impl Renderer {
             let light = &mut self.direct_light;
             let keeps = settings.voxels != VoxelSource::SingleFrame;
             let gathers = matches!(indirect, Indirect::Gathered(_));
+            if matches!(indirect, Indirect::Lpv(_)) {
+                timer.stage(gpu, "lpv/injection", |e| {
+                    indirect.record_dark(e);
+                    Ok::<(), GpuError>(())
+                })?;
+            }
             if gathers {
                 timer.stage(gpu, "gather/surfels", |e| {
                     indirect.record_dark(e);
@@ -252,8 +258,8 @@ impl Renderer {
                     let mut views = source.views.iter_mut();
                     views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
                 })?;
-                if gathers {
-                    timer.stage(gpu, "gather/direct", |e| indirect.record_light(gpu, e, source, volume))?;
+                if let Some(stage) = indirect.light_stage() {
+                    timer.stage(gpu, stage, |e| indirect.record_light(gpu, e, source, volume))?;
                 }
                 if views_fill {
                     timer.stage(gpu, "progressive/cleanup", |e| {
@@ -277,7 +283,9 @@ impl Renderer {
 
             // Volume to light.
             let [first, stage] = indirect.stages();
-            timer.stage(gpu, first, |e| indirect.record_seed(gpu, e, volume, &self.direct_light))?;
+            timer.stage(gpu, first, |e| {
+                indirect.record_seed(gpu, e, (volume, &self.direct_light), &camera.input)
+            })?;
             let steps = steps(settings);
             timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, steps))?;
         }
@@ -334,7 +342,7 @@ impl Renderer {
     pub fn gathered(&self) -> Option<&GatheredLight> {
         match &self.indirect {
             Indirect::Gathered(gathered) => Some(gathered),
-            Indirect::Propagated(_) => None,
+            Indirect::Lpv(_) | Indirect::Propagated(_) => None,
         }
     }
 
@@ -348,16 +356,19 @@ impl Renderer {
     /// that there is, which grows until it has settled.
     pub fn light_in_volume(&self) -> Result<f64, RendererError> {
         Ok(match &self.indirect {
+            Indirect::Lpv(light) => light.flux_under_way(&self.gpu)?,
             Indirect::Propagated(light) => light.flux_under_way(&self.gpu)?,
             Indirect::Gathered(light) => light.total_irradiance(&self.gpu)?,
         })
     }
 
-    /// Whether views bring the volume surfaces and light, or the triangles have filled it and nobody asks for its light.
+    /// Whether views bring the volume surfaces and light, or the triangles have filled it and nobody asks for its light, or
+    /// nobody asks for it at all.
     fn views_fill_volume(&self) -> bool {
-        let by_triangles = self.settings.voxels == VoxelSource::Triangles;
+        let fills =
+            self.settings.voxels != VoxelSource::Triangles && !matches!(self.indirect, Indirect::Lpv(_));
         let shown = self.settings.layer == Layer::Voxels;
-        !by_triangles || shown || matches!(self.indirect, Indirect::Propagated(_))
+        fills || shown || matches!(self.indirect, Indirect::Propagated(_))
     }
 
     /// The picture, linear radiance, row 0 on top. Waits.
@@ -389,7 +400,7 @@ fn needs_volume(settings: &Settings) -> bool {
 fn steps(settings: &Settings) -> u32 {
     match settings.gi {
         GiMethod::Off => 0,
-        GiMethod::Propagation => settings.iterations,
+        GiMethod::Lpv | GiMethod::Propagation => settings.iterations,
         GiMethod::Gather => settings.bounces,
     }
 }

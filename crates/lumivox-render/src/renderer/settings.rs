@@ -3,6 +3,7 @@
 use glam::UVec2;
 use lumivox::gather::{GatherSettings, Quality};
 use lumivox::light::LightSettings;
+use lumivox::lpv::Blocking;
 
 use crate::composite::Layer;
 
@@ -24,6 +25,8 @@ pub enum VoxelSource {
 pub enum GiMethod {
     /// Not at all.
     Off,
+    /// Light propagation volumes, the baseline: no surfaces but those that blocking asks for.
+    Lpv,
     /// Iterative propagation through the volume.
     Propagation,
     /// Rays through the volume.
@@ -44,7 +47,7 @@ pub struct Settings {
     pub voxels: VoxelSource,
     /// How indirect light is found.
     pub gi: GiMethod,
-    /// Propagation steps in every frame.
+    /// Propagation steps in every frame, of propagation and of light propagation volumes.
     pub iterations: u32,
     /// How light is gathered; its sky is the scene's.
     pub gather: GatherSettings,
@@ -52,6 +55,8 @@ pub struct Settings {
     pub bounces: u32,
     /// How light propagates; its sky is the scene's.
     pub light: LightSettings,
+    /// What holds the light of light propagation volumes back.
+    pub lpv_blocking: Blocking,
     /// Texels a side of the atlas of shadow maps: the map of a directional or spot light has all of them, a view of a point
     /// light half, a sample of the sky a quarter, of a rect light an eighth. More give sharper shadows. A power of two.
     pub shadow_size: u32,
@@ -108,6 +113,7 @@ impl Default for Settings {
             gather: GatherSettings::default(),
             bounces: 2,
             light: LightSettings::default(),
+            lpv_blocking: Blocking::None,
             shadow_size: 2048,
             area_samples: 64,
             area_maps: 32,

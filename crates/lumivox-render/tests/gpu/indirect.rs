@@ -129,7 +129,7 @@ fn layers_add_up(gpu: &Gpu) -> Result<(), Failed> {
 fn never_negative(gpu: &Gpu) -> Result<(), Failed> {
     let scene = builtin::cornell(0);
     let sources = [VoxelSource::Triangles, VoxelSource::Progressive, VoxelSource::SingleFrame];
-    let methods = [GiMethod::Propagation, GiMethod::Gather];
+    let methods = [GiMethod::Lpv, GiMethod::Propagation, GiMethod::Gather];
     for (voxels, gi) in sources.into_iter().flat_map(|v| methods.map(|gi| (v, gi))) {
         let settings = Settings { gi, voxels, layer: Layer::Indirect, iterations: 1, grid: 16, ..small() };
         let mut renderer = Renderer::new(gpu, &scene, settings)?;

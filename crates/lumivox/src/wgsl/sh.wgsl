@@ -1,6 +1,7 @@
 // Spherical harmonics of bands 0 and 1, coefficients in the order constant, x, y, z (lumivox_core::sh).
 
 const SH_Y0: f32 = 0.2820948;
+const SH_Y1: f32 = 0.4886025;
 const SH_COS0: f32 = 0.8862269;
 const SH_COS1: f32 = 1.0233267;
 // Integral over the sphere of a function with constant coefficient 1: sqrt(4 pi).

@@ -12,6 +12,7 @@ mod gather_views;
 mod irradiance;
 mod light;
 mod lighting;
+mod lpv;
 mod picture;
 mod progressive;
 mod random_views;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         gather::TESTS,
         gather_views::TESTS,
         irradiance::TESTS,
+        lpv::TESTS,
         contract::TESTS,
         single_pass::TESTS,
     ]
