@@ -1,11 +1,12 @@
 //! What every Lumivox crate agrees on, free of any GPU or file format: the [`Grid`] and its cells, [`Bounds`],
-//! volumes in memory, rendered [`View`]s, borrowed [`TriangleView`]s, and [spherical harmonics](sh).
+//! volumes in memory, rendered [`View`]s, borrowed [`TriangleView`]s, [`PackedField`]s, and [spherical harmonics](sh).
 //!
 //! Conventions: right-handed, Y up, metres, linear Rec. 709 colour, clip space with depth 0..1.
 //! Matrices are named `target_from_source`.
 
 pub mod bounds;
 pub mod grid;
+pub mod packed_field;
 pub mod sh;
 pub mod triangles;
 pub mod view;
@@ -13,6 +14,7 @@ pub mod volume;
 
 pub use bounds::Bounds;
 pub use grid::{Grid, GridError};
+pub use packed_field::{PackedField, PackedMapping, PackedMaps, PackedStorage};
 pub use triangles::TriangleView;
 pub use view::{Projection, View};
 pub use volume::HostVolume;

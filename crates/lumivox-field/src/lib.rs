@@ -39,6 +39,6 @@ pub use cache::{Cache, Cached};
 pub use directions::{Directions, Mapping};
 pub use error::FieldError;
 pub use field::{BYTE_MISS, Distances, Field, FieldTexture, Texels, TextureLayout};
-pub use lookup::{Blend, Ray};
+pub use lookup::{Blend, Interpolation, Ray};
 pub use points::SpherePoints;
 pub use settings::{Settings, Storage};

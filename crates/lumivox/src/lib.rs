@@ -33,6 +33,7 @@
 //! | *Cascaded Light Propagation Volumes*, 2010, and before: what chapter 5 is measured against | [`lpv`] |
 //! | beyond the papers: indirect light along rays, all bounces, thin walls | [`gather`] |
 //! | the same light for any other shader: surfaces, particles, fog | [`irradiance`] |
+//! | dissertation chapter 4: visibility fields of rigid objects | [`visibility`] |
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
 //! | the same; dissertation 5.5.1 and chapter 6: voxelization of triangles | [`voxelize`] |
 
@@ -45,6 +46,7 @@ pub mod irradiance;
 pub mod light;
 pub mod lpv;
 pub mod progressive;
+pub mod visibility;
 pub mod volume;
 pub mod voxelize;
 pub mod wgsl;
@@ -57,8 +59,15 @@ pub use wgpu;
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<gpu::Shader> {
-    [progressive::shaders(), light::shaders(), lpv::shaders(), gather::shaders(), irradiance::shaders()]
-        .concat()
+    [
+        progressive::shaders(),
+        light::shaders(),
+        lpv::shaders(),
+        gather::shaders(),
+        irradiance::shaders(),
+        visibility::shaders(),
+    ]
+    .concat()
 }
 
 /// The texts that [`voxelize`] makes of some sets of channels, for validation and for reading.
@@ -101,5 +110,11 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<gather::LatticeUniform>(),
         entry::<irradiance::LumivoxIrradianceUniform>(),
         entry::<voxelize::VoxelLight>(),
+        entry::<visibility::FieldUniform>(),
+        entry::<visibility::ObjectUniform>(),
+        entry::<visibility::TileUniform>(),
+        entry::<visibility::OcclusionUniform>(),
+        entry::<visibility::QueryUniform>(),
+        entry::<visibility::ShadowUniform>(),
     ]
 }

@@ -1,6 +1,7 @@
 //! A baked field in memory.
 
 pub(crate) mod maps;
+mod packed;
 mod texture;
 
 use std::sync::Arc;

@@ -31,6 +31,17 @@ impl Blend {
     }
 }
 
+/// Which maps answer for a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Interpolation {
+    /// That of the nearest sample point (4.4.2).
+    #[default]
+    Nearest,
+    /// Those of the three points around the entry: a hit where at least half of them by weight have one, at their mean
+    /// distance. Less grain (4.7.1) for three times the look-ups.
+    Blended,
+}
+
 /// Rays whose maps [`Field::nearest_many`] reads at once.
 const RAYS_AT_ONCE: usize = 32;
 
@@ -111,6 +122,45 @@ impl Field {
         } else {
             Blend { coverage: 0.0, distance: f32::INFINITY }
         }
+    }
+
+    /// The distance to the object along a ray that starts anywhere, on the object too, in lengths of the ray's direction.
+    ///
+    /// From outside the sphere this is [`Field::nearest`], or [`Blend::hit`]. From within, what a ray from outside would meet
+    /// first counts if it lies more than `bias` ahead. If it lies behind or about the origin, the ray may still meet parts
+    /// beyond: the map where it leaves, looked up backwards, shows the last of them (Figure 31), and if that lies more than
+    /// `bias` ahead, its distance is returned. It is the far side of what is met, so that is as far as the nearest part can
+    /// be. `bias` is in metres of the object's space.
+    pub fn ahead(&self, ray: &Ray, bias: f32, interpolation: Interpolation) -> Option<f32> {
+        let entry = self.entry(ray)?;
+        let Way { entry: start, exit, length } = entry.way;
+        let rest = self.rest_from(entry.point, entry.direction, interpolation);
+        if rest == f32::INFINITY {
+            return None;
+        }
+        let (forward, bias) = (start + rest, bias / self.sphere.radius);
+        if start >= 0.0 || forward > bias {
+            return Some(forward / length);
+        }
+        let backward = exit - self.rest_from(entry.exit, -entry.direction, interpolation);
+        (backward > bias).then_some(backward / length)
+    }
+
+    /// Distance from a point of the unit sphere inwards in units of the radius; infinite where nothing is met.
+    fn rest_from(&self, point: Vec3, direction: Vec3, interpolation: Interpolation) -> f32 {
+        if interpolation == Interpolation::Nearest {
+            return self.rest(&self.at(self.points.nearest(point), direction));
+        }
+        let around = self.points.surrounding(point);
+        let (mut share, mut sum) = (0.0, 0.0);
+        for (point, weight) in around.points.into_iter().zip(around.weights) {
+            let rest = self.rest(&self.at(point, direction));
+            if rest < f32::INFINITY {
+                share += weight;
+                sum += weight * rest;
+            }
+        }
+        if share >= 0.5 { sum / share } else { f32::INFINITY }
     }
 
     /// Whether the object blocks a ray that starts within its bounding sphere, on its way out (Figure 31): the map where

@@ -150,6 +150,17 @@ impl Table {
         [packed & 127, packed >> 7]
     }
 
+    /// Cells along a side.
+    pub(super) fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// What each cell knows: the corner in bits 0 to 13, the triangle above.
+    pub(super) fn cells(&self) -> impl Iterator<Item = u32> + '_ {
+        let pair = |(&near, &triangle): (&u16, &u16)| u32::from(near) | u32::from(triangle) << 14;
+        self.nearest.iter().zip(&self.triangles).map(pair)
+    }
+
     #[inline(always)]
     fn cell(&self, direction: Vec3) -> usize {
         let scale = self.side as f32 / (direction.x + direction.y + direction.z);

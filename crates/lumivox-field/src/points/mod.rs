@@ -97,6 +97,12 @@ impl SpherePoints {
         }
     }
 
+    /// The table of the inverse: cells along its side, and what each knows, as in
+    /// [`PackedField::table`](lumivox_core::PackedField::table).
+    pub(crate) fn table(&self) -> (u32, Vec<u32>) {
+        (self.table.side(), self.table.cells().collect())
+    }
+
     /// Number of a corner of the octant that `direction` lies in.
     #[inline(always)]
     fn number(&self, direction: Vec3, i: u32, j: u32) -> u32 {

@@ -22,6 +22,7 @@ pub use error::GpuError;
 pub use generated::{GeneratedPass, GeneratedText, bind_group_layouts};
 pub(crate) use generated::{made_bind_group, validated};
 pub use layout::{Field, GpuStruct};
+pub(crate) use pass::shader_module;
 pub use pass::{ComputePass, FullscreenPass};
 pub use program::{Bindings, Program, Resource};
 pub use readback::{read_buffer, read_texture};

@@ -18,6 +18,7 @@ mod progressive;
 mod random_views;
 mod single_pass;
 mod support;
+mod visibility;
 mod voxelize;
 
 use std::process::ExitCode;
@@ -60,24 +61,27 @@ fn main() -> ExitCode {
         single_pass::TESTS,
     ]
     .concat();
-    let trials = tests.into_iter().chain(voxelize::tests()).map(|(name, body)| match &labs {
-        Ok(labs) => {
-            let labs = labs.clone();
-            Trial::test(name, move || body(&labs))
-        }
-        Err(_) if args.list => Trial::test(name, || Ok(())),
-        Err(e) if required => {
-            let reason = e.to_string();
-            Trial::test(name, move || Err(reason.into()))
-        }
-        // An adapter that is there and does not work is a failure, not an absence.
-        Err(GpuError::NoAdapter(_)) => {
-            Trial::test(format!("{name} (no graphics adapter)"), || Ok(())).with_ignored_flag(true)
-        }
-        Err(e) => {
-            let reason = e.to_string();
-            Trial::test(name, move || Err(reason.into()))
-        }
-    });
+    let trials =
+        tests.into_iter().chain(visibility::tests()).chain(voxelize::tests()).map(
+            |(name, body)| match &labs {
+                Ok(labs) => {
+                    let labs = labs.clone();
+                    Trial::test(name, move || body(&labs))
+                }
+                Err(_) if args.list => Trial::test(name, || Ok(())),
+                Err(e) if required => {
+                    let reason = e.to_string();
+                    Trial::test(name, move || Err(reason.into()))
+                }
+                // An adapter that is there and does not work is a failure, not an absence.
+                Err(GpuError::NoAdapter(_)) => {
+                    Trial::test(format!("{name} (no graphics adapter)"), || Ok(())).with_ignored_flag(true)
+                }
+                Err(e) => {
+                    let reason = e.to_string();
+                    Trial::test(name, move || Err(reason.into()))
+                }
+            },
+        );
     libtest_mimic::run(&args, trials.collect()).exit_code()
 }

@@ -1,0 +1,23 @@
+// A picture cut into tiles.
+
+struct TileUniform {
+    // Tiles, and texels, along x and y.
+    tiles: vec2u,
+    size: vec2u,
+    object_count: u32,
+    // Words of a tile's set of objects.
+    words: u32,
+    // How far occlusion reaches beyond an object's sphere, in metres, and to how many of its radii at most.
+    reach: f32,
+    reach_in_radii: f32,
+    // A sphere around the light, for shadows, or the way to a sun and the tangent of its angle.
+    light: vec3f,
+    light_radius: f32,
+    // One of the ROUND_ constants: what the objects of a tile are looked for round.
+    kind: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
+}
+
+const TILE_SIDE: u32 = 8u;

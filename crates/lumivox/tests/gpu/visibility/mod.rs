@@ -1,0 +1,12 @@
+//! Visibility fields on the GPU: look-ups against the CPU's, and occlusion against closed forms.
+
+mod objects;
+mod occlusion;
+mod query;
+mod shadow;
+
+use crate::Test;
+
+pub(crate) fn tests() -> Vec<Test> {
+    [query::TESTS, occlusion::TESTS, shadow::TESTS].concat()
+}
