@@ -72,26 +72,41 @@ fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool) -> vec4f {
     return sum;
 }
 
+fn is_free(point: vec3f) -> bool {
+    let at = vec3i(floor(point));
+    return any(at < vec3i(0)) || any(at >= SUBCELLS * vec3i(grid.dims)) || empty_side(at) > 0;
+}
+
 // A point in free space just off a surface, in sub-cells: towards the eye it is free, but for sub-cells that the surface
 // fills in part.
 fn free_point(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
     let surface = 4.0 * p + 0.6 * n;
     for (var step = 1; step < 5; step++) {
         let point = surface + 0.6 * f32(step) * towards_eye;
-        let at = vec3i(floor(point));
-        if any(at < vec3i(0)) || any(at >= SUBCELLS * vec3i(grid.dims)) || empty_side(at) > 0 {
+        if is_free(point) {
             return point;
         }
     }
     return surface + 0.6 * towards_eye;
 }
 
-// A surface in a crease may have no cell that faces its way; the nearest that do lie further out.
-fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
-    let eye = free_point(p, n, towards_eye);
+// From the surfels that face the surface's way. One in a crease may have none near it; the nearest lie further out.
+fn from_facing(p: vec3f, n: vec3f, eye: vec3f) -> vec4f {
     var sum = vec4f(0.0);
     for (var step = 0u; step < 3u && sum.w < ENOUGH; step++) {
         sum += interpolated(p + 0.75 * f32(step) * n, n, eye, true);
+    }
+    return sum;
+}
+
+fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
+    let eye = free_point(p, n, towards_eye);
+    var sum = from_facing(p, n, eye);
+    // Beside an edge the point may lie level with the sub-cells of its own surface, which then hide all its surfels. Straight
+    // above the surface it does not.
+    let above = 4.0 * p + 1.2 * n;
+    if sum.w < ENOUGH && is_free(above) {
+        sum = from_facing(p, n, above);
     }
     if sum.w < ENOUGH {
         sum += interpolated(p, n, eye, false);
