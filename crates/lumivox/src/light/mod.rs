@@ -22,12 +22,30 @@
 //!
 //! - *Normalisation.* The 90-degree cones are scaled by 1.138, so that six of them share a cell's flux exactly.
 //! - *Direction.* What a cell receives through a face leaves as a lobe about the same direction. A cosine lobe, as light
-//!   propagation volumes use, keeps 57 % of its direction in a step, so most light diffuses back to where it came from: in
+//!   propagation volumes use, keeps 57 % of its direction in a step (and 37 % in theirs), so most light diffuses back to where it came from: in
 //!   the sunlit Sponza atrium indirect light was 1.35 times too strong with a low-frequency error of 96 %.
 //!   [`LightSettings::persistence`] says how much is kept.
 //! - *Surfaces.* Light leaves occupied cells through their open faces only, shared by the stored normal, instead of into the
 //!   neighbouring cells of the same wall. Into the empty cell it enters with the lobe that sends nothing straight back.
-//! - *Reflection* is Lambertian about the stored normal, on the side that the light came from, times the stored albedo.
+//! - *Reflection* is Lambertian about the stored normal, on the side that the light came from, times the stored albedo. The
+//!   text's mirrors and its constant albedo can be had instead ([`Reflection`], [`LightSettings::bounce_albedo`]).
+//! - *Transmission.* A cell whose occupancy is below one lets the rest of the light through.
+//!
+//! **Mirrors.** The text mirrors what arrives at an occupied cell about the plane of its normal, by a rotation into the
+//! normal's frame, a change of sign and the rotation back, and for speed on the voxel's boundary instead, where one
+//! coefficient changes its sign. Bands 0 and 1 of a function are a number and a vector `v`. The number does not change under
+//! rotation and mirroring, and the vector does as any vector: the first becomes `v - 2 (v.n) n`, the second `v - 2 (v.f) f` with
+//! the face's direction `f`. Here light arrives through a face as a lobe about an axis, `v = r f`, so the second sends
+//! it back the way it came. Since the text moves light in empty space only, from boundary to boundary, a mirror stands at the shared face: what
+//! an empty cell sends into an occupied one comes back to it in the same step, times albedo. As from any surface the lobe is
+//! one that sends nothing straight back, `1/6 (1 + d.f) >= 0` through the face `f` for a lobe about `d`.
+//! A mirrored lobe about a slanted normal may look into the next cell of its own surface, and is reflected, and darkened, once more there.
+//!
+//! **Transmission.** Let a cell of occupancy `o` and albedo `a` receive the flux `F` through a face. Of this `(1 - o) F` goes on as
+//! through empty space, `o a F` is reflected, and `o (1 - a) F` is absorbed: together `F`. The cell's incident
+//! light is that of `F`, since irradiance does not depend on what it falls on; its own light, direct and emitted, counts
+//! `o` times. Both parts leave as one distribution, through all faces, so that a part of a curtain's light goes along
+//! it, which the text's single volume does too. Occupancy is kept in 255 steps, of which the last stops light.
 //!
 //! **Limits.** Four coefficients blur directions: there are no sharp indirect shadows. Walls must be one cell thick or more to hold
 //! light back, and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
@@ -69,11 +87,26 @@ pub struct LightSettings {
     pub persistence: f32,
     /// Radiance that enters the grid from outside, W/(m2 sr), at most 65504.
     pub sky: Vec3,
+    /// Albedo of all surfaces after the first bounce, 0 to 1, in place of the stored one: the text takes 0.5 (5.6). From the
+    /// next [`IndirectLight::record_transport`] on.
+    pub bounce_albedo: Option<f32>,
+}
+
+/// What becomes of light that meets an occupied cell (5.5.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reflection {
+    /// It leaves through the open faces on its side, shared by the stored normal.
+    #[default]
+    Lambertian,
+    /// It goes back through the face that it came by: the text's mirror on the voxel boundary.
+    AxisMirror,
+    /// It is mirrored about the stored normal: the mirror that the text leaves out for speed.
+    NormalMirror,
 }
 
 impl Default for LightSettings {
     fn default() -> Self {
-        Self { persistence: 0.95, sky: Vec3::ZERO }
+        Self { persistence: 0.95, sky: Vec3::ZERO, bounce_albedo: None }
     }
 }
 
@@ -84,6 +117,14 @@ crate::gpu_struct! {
         pub sky: Vec3,
         /// Band-1 to band-0 ratio of the lobes that empty cells pass on.
         pub lobe_ratio: f32,
+        /// Albedo of all surfaces after the first bounce; below zero where the stored one counts.
+        pub bounce_albedo: f32,
+        /// Unused.
+        pub reserved_0: f32,
+        /// Unused.
+        pub reserved_1: f32,
+        /// Unused.
+        pub reserved_2: f32,
     }
 }
 
@@ -92,7 +133,14 @@ impl From<&LightSettings> for PropagationUniform {
         // A lobe of unit flux with ratio r carries 2 * FACE_FLUX1 * Y0 * r of net flux through opposite faces.
         const NET_FLUX_PER_RATIO: f32 = 2.0 * FACE_FLUX1 * lumivox_core::sh::Y0;
         let sky = settings.sky.min(Vec3::splat(HALF_MAX));
-        Self { sky, lobe_ratio: settings.persistence.clamp(0.0, 1.0) / NET_FLUX_PER_RATIO }
+        Self {
+            sky,
+            lobe_ratio: settings.persistence.clamp(0.0, 1.0) / NET_FLUX_PER_RATIO,
+            bounce_albedo: settings.bounce_albedo.map_or(-1.0, |albedo| albedo.clamp(0.0, 1.0)),
+            reserved_0: 0.0,
+            reserved_1: 0.0,
+            reserved_2: 0.0,
+        }
     }
 }
 
@@ -113,12 +161,21 @@ pub struct IndirectLight {
 impl IndirectLight {
     /// Compiles the stages and makes room for the light of `volume`'s cells: 112 bytes each.
     pub fn new(gpu: &Gpu, volume: &VolumeBuffer) -> Result<Self, GpuError> {
+        Self::with_reflection(gpu, volume, Reflection::default())
+    }
+
+    /// As [`Self::new`], with surfaces that reflect in another way.
+    pub fn with_reflection(
+        gpu: &Gpu,
+        volume: &VolumeBuffer,
+        reflection: Reflection,
+    ) -> Result<Self, GpuError> {
         check_grid(gpu, "the incident light of a volume", volume.grid(), INCIDENT_BYTES)?;
         let cells = volume.grid().cell_count();
         Ok(Self {
             transport_pass: transport::Transport::new(gpu),
             seed_pass: seed::Seed::new(gpu),
-            propagation_pass: propagation::Propagation::new(gpu),
+            propagation_pass: propagation::Propagation::new(gpu, reflection),
             reconstruction_pass: reconstruction::Reconstruction::new(gpu),
             settings: Uniform::new(gpu, "light/settings", &(&LightSettings::default()).into()),
             transport: Buffer::storage(gpu, "light/transport", cells * TRANSPORT_BYTES)?,
@@ -140,7 +197,7 @@ impl IndirectLight {
         encoder: &mut wgpu::CommandEncoder,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
-        self.transport_pass.record(gpu, encoder, volume, &mut self.transport)
+        self.transport_pass.record(gpu, encoder, (volume, &self.settings), &mut self.transport)
     }
 
     /// Starts anew from the light that leaves surfaces and the sky: no incident light yet.

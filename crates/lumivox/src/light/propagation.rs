@@ -4,7 +4,7 @@ use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, PACK, SH, TRANSPORT, linear_groups};
 
-use super::PropagationUniform;
+use super::{PropagationUniform, Reflection};
 
 pub(super) const SHADER: Shader = Shader {
     name: "light/propagation",
@@ -23,8 +23,13 @@ pub(super) struct Media<'a> {
 pub(super) struct Propagation(ComputePass);
 
 impl Propagation {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+    pub(super) fn new(gpu: &Gpu, reflection: Reflection) -> Self {
+        let number = match reflection {
+            Reflection::Lambertian => 0.0,
+            Reflection::AxisMirror => 1.0,
+            Reflection::NormalMirror => 2.0,
+        };
+        Self(ComputePass::new(gpu, &SHADER, &[("REFLECTION", number)]))
     }
 
     pub(super) fn record(

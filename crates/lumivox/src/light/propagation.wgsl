@@ -7,12 +7,17 @@
 @group(0) @binding(4) var<storage, read_write> next_state: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> incident: array<vec4f>;
 
-// Flux in W/m2 that a neighbour sends through its face `face`, three colour bands.
-fn sent_flux(neighbor: u32, properties: Transport, face: u32) -> vec3f {
-    let r = unpack_half4(state[3u * neighbor]);
-    let g = unpack_half4(state[3u * neighbor + 1u]);
-    let b = unpack_half4(state[3u * neighbor + 2u]);
-    if is_occupied(properties) {
+// How surfaces reflect.
+override REFLECTION: u32;
+const LAMBERTIAN: u32 = 0u;
+const AXIS_MIRROR: u32 = 1u;
+
+// Flux in W/m2 that a cell sends through its face `face`, three colour bands.
+fn sent_flux(index: u32, properties: Transport, face: u32) -> vec3f {
+    let r = unpack_half4(state[3u * index]);
+    let g = unpack_half4(state[3u * index + 1u]);
+    let b = unpack_half4(state[3u * index + 2u]);
+    if is_opaque(properties) {
         let weights = axis_weights(properties);
         return vec3f(
             occupied_face_flux(properties, weights, face, r),
@@ -21,6 +26,25 @@ fn sent_flux(neighbor: u32, properties: Transport, face: u32) -> vec3f {
         );
     }
     return vec3f(empty_face_flux(face, r), empty_face_flux(face, g), empty_face_flux(face, b));
+}
+
+// The normal of a surface on the side that light which travels along `travel` comes from.
+fn lit_side(n: vec3f, travel: vec3f) -> vec3f {
+    let side = select(n, -n, dot(n, travel) > 0.0);
+    return select(side, -travel, dot(side, side) == 0.0);
+}
+
+// Where light goes on to that travels along `travel`, an axis, and meets a surface with this normal.
+fn reflected_direction(n: vec3f, travel: vec3f) -> vec3f {
+    if REFLECTION == LAMBERTIAN {
+        return lit_side(n, travel);
+    }
+    // Turned into the normal's frame, mirrored and turned back: of bands 0 and 1 that mirrors a vector. Surfaces that cancel
+    // mirror as faces do.
+    if REFLECTION == AXIS_MIRROR || dot(n, n) == 0.0 {
+        return -travel;
+    }
+    return travel - 2.0 * dot(travel, n) * n;
 }
 
 @compute @workgroup_size(64)
@@ -42,21 +66,37 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         let neighbor = cell_index(grid, vec3u(neighbor_cell));
         let there = unpack_transport(transport[neighbor]);
         let flux = sent_flux(neighbor, there, face ^ 1u);
+        // On, as far as nothing is in the way.
+        if !is_opaque(here) {
+            let ratio = select(settings.lobe_ratio, SURFACE_RATIO, is_opaque(there));
+            let passing = flux_lobe(-to_neighbor, ratio);
+            next = sh_add(next, sh_scaled((1.0 - opacity(here)) * flux, passing));
+            // A mirror at the shared face gives back what this cell sends there.
+            if REFLECTION != LAMBERTIAN && is_opaque(there) {
+                let mirrored = flux_lobe(reflected_direction(there.normal, to_neighbor), SURFACE_RATIO);
+                next = sh_add(next, sh_scaled(there.albedo * sent_flux(index, here, face), mirrored));
+            }
+        }
         if !is_occupied(here) {
-            let ratio = select(settings.lobe_ratio, SURFACE_RATIO, is_occupied(there));
-            next = sh_add(next, sh_scaled(flux, flux_lobe(-to_neighbor, ratio)));
             continue;
         }
-        // On the side of the surface that the light meets, or leaves from when it comes out of the same surface.
-        let same_surface = is_occupied(there) && dot(here.normal, there.normal) > 0.25;
-        let toward = select(to_neighbor, -to_neighbor, same_surface);
-        let side = select(here.normal, -here.normal, dot(here.normal, toward) < 0.0);
-        let outward = select(side, toward, dot(side, side) == 0.0);
-        let lobe = flux_lobe(outward, COSINE_RATIO);
-        if same_surface {
-            next = sh_add(next, sh_scaled(flux, lobe));
-        } else {
+        // Light that comes out of the same surface goes on along it.
+        let same_kind = is_occupied(there) && is_opaque(there) == is_opaque(here);
+        let same_surface = same_kind && dot(here.normal, there.normal) > 0.25;
+        if !is_opaque(here) {
+            let held = opacity(here) * flux;
+            let outward = reflected_direction(here.normal, -to_neighbor);
+            let along = flux_lobe(-to_neighbor, settings.lobe_ratio);
+            let lobe = flux_lobe(outward, SURFACE_RATIO);
+            next = sh_add(next, sh_scaled(select(here.albedo, vec3f(1.0), same_surface) * held,
+                select(lobe, along, same_surface)));
+        } else if same_surface {
+            next = sh_add(next, sh_scaled(flux, flux_lobe(lit_side(here.normal, to_neighbor), COSINE_RATIO)));
+        } else if REFLECTION == LAMBERTIAN || is_opaque(there) {
+            let lobe = flux_lobe(lit_side(here.normal, -to_neighbor), COSINE_RATIO);
             next = sh_add(next, sh_scaled(here.albedo * flux, lobe));
+        }
+        if !same_surface {
             // Uniform radiance over the hemisphere about the face: (1 + n.f) / 2 of its flux arrives at a normal n.
             let arriving = vec4f(0.5 / SH_COS0, (0.5 / SH_COS1) * to_neighbor);
             received = sh_add(received, sh_scaled(here.gather * flux, arriving));

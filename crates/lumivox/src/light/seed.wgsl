@@ -17,7 +17,13 @@ fn surface_light(index: u32, properties: Transport) -> ShRgb {
     );
     let emitted = sh_scaled(unpack_half4(emission[index]).rgb, sh_cosine_lobe(properties.normal));
     let crossed = max(dot(abs(properties.normal), vec3f(1.0)), 1.0);
-    return sh_times(sh_add(reflected, emitted), 1.0 / crossed);
+    let light = sh_times(sh_add(reflected, emitted), opacity(properties) / crossed);
+    if is_opaque(properties) {
+        return light;
+    }
+    // What lets light through has no closed faces: its lobe must not send any back through the surface.
+    let narrowed = vec4f(1.0, vec3f(SURFACE_RATIO / COSINE_RATIO));
+    return ShRgb(narrowed * light.r, narrowed * light.g, narrowed * light.b);
 }
 
 // A uniform sky sends pi times its radiance through every face of the grid's boundary.

@@ -1,8 +1,10 @@
 //! What propagation needs of each cell: whether it is occupied, which faces are open, normal and albedo (5.5.2).
 
-use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
+use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{ALBEDO, NORMAL, VolumeBuffer};
 use crate::wgsl::{FACE, GRID, PACK, SH, TRANSPORT, linear_groups};
+
+use super::PropagationUniform;
 
 pub(super) const SHADER: Shader = Shader {
     name: "light/transport",
@@ -21,7 +23,7 @@ impl Transport {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        volume: &VolumeBuffer,
+        (volume, settings): (&VolumeBuffer, &Uniform<PropagationUniform>),
         transport: &mut Buffer,
     ) -> Result<(), GpuError> {
         let (Some(normal), Some(albedo)) = (volume.channel(NORMAL), volume.channel(ALBEDO)) else {
@@ -30,6 +32,7 @@ impl Transport {
         };
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
+            .read("settings", settings)
             .read("normal", normal)
             .read("albedo", albedo)
             .write("transport", transport);

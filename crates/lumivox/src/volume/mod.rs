@@ -6,7 +6,7 @@
 //!
 //! | channel | x y z | w |
 //! | --- | --- | --- |
-//! | [`NORMAL`] | mean surface normal (not unit: shorter where surfaces disagree) | occupancy, 0 or 1 |
+//! | [`NORMAL`] | mean surface normal (not unit: shorter where surfaces disagree) | occupancy, 0 or 1; between, a surface that lets light through |
 //! | [`ALBEDO`] | mean reflectance, linear | 0 |
 //! | [`EMISSION`] | mean emitted radiance, W/(m2 sr) | 0 |
 //!

@@ -9,10 +9,17 @@ struct PropagationUniform {
     sky: vec3f,
     // Band-1 to band-0 ratio of the lobes that empty cells pass on.
     lobe_ratio: f32,
+    // Albedo of all surfaces after the first bounce; below zero where the stored one counts.
+    bounce_albedo: f32,
+    reserved_0: f32,
+    reserved_1: f32,
+    reserved_2: f32,
 }
 
 const ALL_FACES: u32 = 63u;
 const OCCUPIED: u32 = 64u;
+// The least bits of a cell of full opacity.
+const OPAQUE: u32 = 0xff00u;
 
 // Flux through one face of an empty cell: the projection of a 90-degree cone (equation 11), scaled by 1.138 so that the six
 // faces sum to the whole. Constant part sqrt(4 pi) / 6; linear part Y1 * (pi / 2) * 1.138.
@@ -29,7 +36,8 @@ const SURFACE_RATIO: f32 = FACE_FLUX0 / FACE_FLUX1;
 struct Transport {
     // Unit mean normal; zero where surfaces cancel.
     normal: vec3f,
-    // Bits 0 to 5: open faces, those towards an empty cell or out of the grid. Bit 6: occupied.
+    // Bits 0 to 5: open faces, those towards a cell that lets light through or out of the grid. Bit 6: occupied. Bits 8 to 15:
+    // opacity in steps of 1/255.
     bits: u32,
     albedo: vec3f,
     // Correction of received light where several open faces see the same surface.
@@ -61,6 +69,16 @@ fn is_open(t: Transport, face: u32) -> bool {
 
 fn is_occupied(t: Transport) -> bool {
     return (t.bits & OCCUPIED) != 0u;
+}
+
+// Share of light that a cell holds up.
+fn opacity(t: Transport) -> f32 {
+    return f32(t.bits >> 8u) / 255.0;
+}
+
+// Whether light stops in the cell. Else it passes through all or a part of it, and leaves as from an empty one.
+fn is_opaque(t: Transport) -> bool {
+    return t.bits >= OPAQUE;
 }
 
 fn is_buried(t: Transport) -> bool {

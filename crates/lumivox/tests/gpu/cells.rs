@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use lumivox::core::{Grid, sh};
 use lumivox::glam::{UVec3, Vec3, Vec4};
 use lumivox::gpu::GpuError;
-use lumivox::light::LightSettings;
+use lumivox::light::{IndirectLight, LightSettings, Reflection};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
 use crate::support::{Lab, Stages, World, locked, run};
@@ -32,6 +32,13 @@ impl Cells {
         let index = self.grid.index(cell);
         self.normal[index] = normal.extend(1.0);
         self.albedo[index] = Vec3::splat(albedo).extend(0.0);
+    }
+
+    /// As [`Self::surface`], of which light meets only the part `occupancy`.
+    pub(crate) fn veil(&mut self, cell: UVec3, normal: Vec3, albedo: f32, occupancy: f32) {
+        self.surface(cell, normal, albedo);
+        let index = self.grid.index(cell);
+        self.normal[index].w = occupancy;
     }
 
     pub(crate) fn occupied(&self, index: usize) -> bool {
@@ -74,17 +81,47 @@ pub(crate) fn uploaded(lab: &Lab, cells: &Cells) -> Result<(World, Arc<Mutex<Sta
     Ok((world, stages))
 }
 
+/// All kinds of surfaces, by name.
+pub(crate) const REFLECTIONS: [(&str, Reflection); 3] = [
+    ("Lambertian", Reflection::Lambertian),
+    ("axis mirror", Reflection::AxisMirror),
+    ("normal mirror", Reflection::NormalMirror),
+];
+
 /// Seeds, and calls `look` with the flux under way and the incident light then and after each of `looks` times `steps`
 /// iterations.
 pub(crate) fn propagate(
     lab: &Lab,
     cells: &Cells,
+    counts: (u32, u32),
+    look: impl FnMut(f64, Incident),
+) -> Result<(), GpuError> {
+    let (world, stages) = uploaded(lab, cells)?;
+    propagated(lab, &world, &mut locked(&stages).light, counts, look)
+}
+
+/// As [`propagate`], with another kind of surfaces and other settings.
+pub(crate) fn propagate_by(
+    lab: &Lab,
+    cells: &Cells,
+    (reflection, settings): (Reflection, LightSettings),
+    counts: (u32, u32),
+    look: impl FnMut(f64, Incident),
+) -> Result<(), GpuError> {
+    let (world, _) = uploaded(lab, cells)?;
+    let mut light = IndirectLight::with_reflection(&lab.gpu, &world.volume, reflection)?;
+    light.update(&lab.gpu, &settings);
+    propagated(lab, &world, &mut light, counts, look)
+}
+
+fn propagated(
+    lab: &Lab,
+    world: &World,
+    light: &mut IndirectLight,
     (steps, looks): (u32, u32),
     mut look: impl FnMut(f64, Incident),
 ) -> Result<(), GpuError> {
     let gpu = &lab.gpu;
-    let (world, stages) = uploaded(lab, cells)?;
-    let light = &mut locked(&stages).light;
     run(gpu, |e| {
         light.record_transport(gpu, e, &world.volume)?;
         light.record_seed(gpu, e, &world.volume, &world.light)
@@ -98,7 +135,16 @@ pub(crate) fn propagate(
 }
 
 pub(crate) fn incident(lab: &Lab, cells: &Cells, iterations: u32) -> Result<Incident, GpuError> {
+    incident_by(lab, cells, Reflection::default(), iterations)
+}
+
+pub(crate) fn incident_by(
+    lab: &Lab,
+    cells: &Cells,
+    reflection: Reflection,
+    iterations: u32,
+) -> Result<Incident, GpuError> {
     let mut last = Vec::new();
-    propagate(lab, cells, (iterations, 1), |_, light| last = light)?;
+    propagate_by(lab, cells, (reflection, LightSettings::default()), (iterations, 1), |_, l| last = l)?;
     Ok(last)
 }

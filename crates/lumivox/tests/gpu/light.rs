@@ -1,10 +1,12 @@
-//! Propagation is linear, has no scale and no preferred side.
+//! Propagation is linear, has no scale and no preferred side, whatever its surfaces are like.
 
 use libtest_mimic::Failed;
 use lumivox::glam::{UVec3, Vec3};
 use lumivox::gpu::GpuError;
 
-use crate::cells::{Cells, Incident, incident};
+use lumivox::light::Reflection;
+
+use crate::cells::{Cells, Incident, REFLECTIONS, incident, incident_by};
 use crate::support::Random;
 use crate::{Labs, Test};
 
@@ -15,14 +17,16 @@ pub(crate) const TESTS: &[Test] = &[
     ("light: the same light gives the same bits, on every tier", same_bits),
 ];
 
-/// Scattered surfaces that look into all directions, some of them lit.
+/// Scattered surfaces that look into all directions, some of them lit, some of which let light through.
 fn clutter(seed: u64) -> Cells {
     let mut random = Random::new(seed);
     let mut cells = Cells::new(16);
     for cell in cells.grid.cells() {
         if random.unit() < 0.2 {
             let normal = (random.cube() - 0.5).try_normalize().unwrap_or(Vec3::Y);
-            cells.surface(cell, normal, 0.7 * random.unit());
+            let albedo = 0.7 * random.unit();
+            let occupancy = if random.unit() < 0.3 { random.unit().max(0.01) } else { 1.0 };
+            cells.veil(cell, normal, albedo, occupancy);
         }
     }
     cells
@@ -59,20 +63,25 @@ fn half_float_bound(runs: u32) -> f64 {
 }
 
 fn linear(labs: &Labs) -> Result<(), Failed> {
+    REFLECTIONS.into_iter().try_for_each(|(name, kind)| linear_by(labs, name, kind))
+}
+
+fn linear_by(labs: &Labs, name: &str, kind: Reflection) -> Result<(), Failed> {
+    let incident = |cells| incident_by(&labs.core, cells, kind, STEPS);
     let empty = clutter(1);
     let (a, b) = (lit_at_random(&empty, 2), lit_at_random(&empty, 3));
     let mut both = empty;
     for (index, direct) in both.direct.iter_mut().enumerate() {
         *direct = std::array::from_fn(|band| a.direct[index][band] + 2.0 * b.direct[index][band]);
     }
-    let [of_a, of_b] = [incident(&labs.core, &a, STEPS)?, incident(&labs.core, &b, STEPS)?];
-    let of_both = incident(&labs.core, &both, STEPS)?;
+    let [of_a, of_b] = [incident(&a)?, incident(&b)?];
+    let of_both = incident(&both)?;
     let mut sum = of_a;
     for (cell, b) in sum.iter_mut().flatten().flatten().zip(of_b.iter().flatten().flatten()) {
         *cell += 2.0 * b;
     }
     let (total, worst) = distance(&sum, &of_both);
-    eprintln!("linearity: off by {total:.2e} in all, by {worst:.2e} of a mean cell at worst");
+    eprintln!("linearity, {name}: off by {total:.2e} in all, by {worst:.2e} of a mean cell at worst");
     assert!(of_both.iter().flatten().flatten().any(|v| *v > 1.0), "nothing is lit");
     let bound = half_float_bound(3);
     assert!(total < bound && worst < bound, "off by {total} in all, {worst} at worst");
@@ -99,6 +108,10 @@ fn scale_free(labs: &Labs) -> Result<(), Failed> {
 }
 
 fn mirrored(labs: &Labs) -> Result<(), Failed> {
+    REFLECTIONS.into_iter().try_for_each(|(name, kind)| mirrored_by(labs, name, kind))
+}
+
+fn mirrored_by(labs: &Labs, name: &str, kind: Reflection) -> Result<(), Failed> {
     let scene = lit_at_random(&clutter(6), 7);
     for axis in 0..3 {
         let flip = |cell: UVec3| {
@@ -115,8 +128,8 @@ fn mirrored(labs: &Labs) -> Result<(), Failed> {
             image.direct[index] = scene.direct[from];
             image.direct[index].iter_mut().for_each(|band| band[axis + 1] *= -1.0);
         }
-        let expected = incident(&labs.core, &scene, STEPS)?;
-        let got = incident(&labs.core, &image, STEPS)?;
+        let expected = incident_by(&labs.core, &scene, kind, STEPS)?;
+        let got = incident_by(&labs.core, &image, kind, STEPS)?;
         let back: Incident = scene
             .grid
             .cells()
@@ -128,7 +141,9 @@ fn mirrored(labs: &Labs) -> Result<(), Failed> {
             })
             .collect();
         let (total, worst) = distance(&back, &expected);
-        eprintln!("mirrored along {axis}: off by {total:.2e} in all, by {worst:.2e} of a mean cell at worst");
+        eprintln!(
+            "{name}, mirrored along {axis}: off by {total:.2e} in all, by {worst:.2e} of a mean cell at worst"
+        );
         // The neighbours are added up in another order, and two runs are rounded.
         let bound = half_float_bound(2);
         assert!(total < bound && worst < bound, "along {axis}: off by {total} in all, {worst} at worst");
@@ -137,9 +152,13 @@ fn mirrored(labs: &Labs) -> Result<(), Failed> {
 }
 
 fn same_bits(labs: &Labs) -> Result<(), Failed> {
+    REFLECTIONS.into_iter().try_for_each(|(_, kind)| same_bits_by(labs, kind))
+}
+
+fn same_bits_by(labs: &Labs, kind: Reflection) -> Result<(), Failed> {
     let scene = lit_at_random(&clutter(8), 9);
     let bits = |lab| -> Result<Vec<u32>, GpuError> {
-        let light = incident(lab, &scene, STEPS)?;
+        let light = incident_by(lab, &scene, kind, STEPS)?;
         Ok(light.iter().flatten().flatten().map(|v| v.to_bits()).collect())
     };
     let first = bits(&labs.core)?;

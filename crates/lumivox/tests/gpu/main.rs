@@ -8,6 +8,7 @@ mod contract;
 mod definition;
 mod energy;
 mod gather;
+mod gather_proof;
 mod gather_views;
 mod irradiance;
 mod light;
@@ -15,6 +16,7 @@ mod lighting;
 mod lpv;
 mod picture;
 mod progressive;
+mod proof;
 mod random_views;
 mod single_pass;
 mod support;
@@ -55,8 +57,10 @@ fn main() -> ExitCode {
         energy::TESTS,
         gather::TESTS,
         gather_views::TESTS,
+        gather_proof::TESTS,
         irradiance::TESTS,
         lpv::TESTS,
+        proof::TESTS,
         contract::TESTS,
         single_pass::TESTS,
     ]
