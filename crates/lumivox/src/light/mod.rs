@@ -47,6 +47,12 @@
 //! `o` times. Both parts leave as one distribution, through all faces, so that a part of a curtain's light goes along
 //! it, which the text's single volume does too. Occupancy is kept in 255 steps, of which the last stops light.
 //!
+//! **Flow.** Light of a frame is a pulse that is followed until it has died down: `k` bounces across N cells take `k N` steps, in
+//! every frame. Since every stage is linear and the same in each step, sources that send out a pulse in each step make each cell
+//! receive, in one step, what it receives of one pulse in all: `sum over s of P^s seed`. So a few steps a frame
+//! ([`IndirectLight::record_flow`]) amortize what 5.7 leaves to the host's choice of frames: at rest all bounces are there, and a
+//! change runs through the volume as a front of one cell a step, with no frame in which all of it appears.
+//!
 //! **Limits.** Four coefficients blur directions: there are no sharp indirect shadows. Walls must be one cell thick or more to hold
 //! light back, and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
 //! tier (48 bytes of incident light per cell).
@@ -149,7 +155,9 @@ impl From<&LightSettings> for PropagationUniform {
 pub struct IndirectLight {
     transport_pass: transport::Transport,
     seed_pass: seed::Seed,
+    renewal_pass: seed::Seed,
     propagation_pass: propagation::Propagation,
+    flow_pass: propagation::Propagation,
     reconstruction_pass: reconstruction::Reconstruction,
     settings: Uniform<PropagationUniform>,
     transport: Buffer,
@@ -174,8 +182,10 @@ impl IndirectLight {
         let cells = volume.grid().cell_count();
         Ok(Self {
             transport_pass: transport::Transport::new(gpu),
-            seed_pass: seed::Seed::new(gpu),
-            propagation_pass: propagation::Propagation::new(gpu, reflection),
+            seed_pass: seed::Seed::new(gpu, false),
+            renewal_pass: seed::Seed::new(gpu, true),
+            propagation_pass: propagation::Propagation::new(gpu, reflection, true),
+            flow_pass: propagation::Propagation::new(gpu, reflection, false),
             reconstruction_pass: reconstruction::Reconstruction::new(gpu),
             settings: Uniform::new(gpu, "light/settings", &(&LightSettings::default()).into()),
             transport: Buffer::storage(gpu, "light/transport", cells * TRANSPORT_BYTES)?,
@@ -231,6 +241,29 @@ impl IndirectLight {
                 &self.state,
                 (&mut self.next_state, &mut self.incident),
             )?;
+            std::mem::swap(&mut self.state, &mut self.next_state);
+        }
+        Ok(())
+    }
+
+    /// Goes on with light that flows, by `steps` more: in place of [`record_seed`](Self::record_seed) and
+    /// [`record_propagation`](Self::record_propagation), a few steps in every frame. Surfaces and the sky send out their light anew in each
+    /// step, and incident light is what the last one brought. When nothing changes that comes to the sum of all bounces, and it
+    /// costs no more than its steps; what changes spreads by one cell a step. Begins in the dark.
+    pub fn record_flow(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        direct: &DirectLight,
+        steps: u32,
+    ) -> Result<(), GpuError> {
+        for _ in 0..steps {
+            let lit = seed::Lit { volume, direct, transport: &self.transport, settings: &self.settings };
+            self.renewal_pass.record(gpu, encoder, &lit, &mut self.state)?;
+            let media = propagation::Media { volume, transport: &self.transport, settings: &self.settings };
+            let next = (&mut self.next_state, &mut self.incident);
+            self.flow_pass.record(gpu, encoder, &media, &self.state, next)?;
             std::mem::swap(&mut self.state, &mut self.next_state);
         }
         Ok(())

@@ -23,13 +23,15 @@ pub(super) struct Media<'a> {
 pub(super) struct Propagation(ComputePass);
 
 impl Propagation {
-    pub(super) fn new(gpu: &Gpu, reflection: Reflection) -> Self {
+    /// With `accumulates` incident light is that of all steps, else of the last one.
+    pub(super) fn new(gpu: &Gpu, reflection: Reflection, accumulates: bool) -> Self {
         let number = match reflection {
             Reflection::Lambertian => 0.0,
             Reflection::AxisMirror => 1.0,
             Reflection::NormalMirror => 2.0,
         };
-        Self(ComputePass::new(gpu, &SHADER, &[("REFLECTION", number)]))
+        let accumulates = f64::from(u8::from(accumulates));
+        Self(ComputePass::new(gpu, &SHADER, &[("REFLECTION", number), ("ACCUMULATES", accumulates)]))
     }
 
     pub(super) fn record(

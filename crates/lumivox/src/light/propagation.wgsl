@@ -9,6 +9,8 @@
 
 // How surfaces reflect.
 override REFLECTION: u32;
+// Whether incident light is that of all steps, or of this one.
+override ACCUMULATES: bool;
 const LAMBERTIAN: u32 = 0u;
 const AXIS_MIRROR: u32 = 1u;
 
@@ -106,8 +108,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     next_state[3u * index + 1u] = pack_half4(next.g);
     next_state[3u * index + 2u] = pack_half4(next.b);
     if is_occupied(here) {
-        incident[3u * index] += received.r;
-        incident[3u * index + 1u] += received.g;
-        incident[3u * index + 2u] += received.b;
+        if ACCUMULATES {
+            received.r += incident[3u * index];
+            received.g += incident[3u * index + 1u];
+            received.b += incident[3u * index + 2u];
+        }
+        incident[3u * index] = received.r;
+        incident[3u * index + 1u] = received.g;
+        incident[3u * index + 2u] = received.b;
     }
 }

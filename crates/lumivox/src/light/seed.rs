@@ -26,8 +26,9 @@ pub(super) struct Lit<'a> {
 pub(super) struct Seed(ComputePass);
 
 impl Seed {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+    /// With `adds` light joins what is under way, else it takes its place.
+    pub(super) fn new(gpu: &Gpu, adds: bool) -> Self {
+        Self(ComputePass::new(gpu, &SHADER, &[("ADDS", f64::from(u8::from(adds)))]))
     }
 
     pub(super) fn record(

@@ -7,6 +7,9 @@
 @group(0) @binding(4) var<storage, read> emission: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> state: array<vec2u>;
 
+// Adds to what is under way, or takes its place.
+override ADDS: bool;
+
 const PI: f32 = 3.1415927;
 
 fn surface_light(index: u32, properties: Transport) -> ShRgb {
@@ -49,6 +52,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         sh = surface_light(index, properties);
     } else {
         sh = sky_light(vec3i(cell_from_index(grid, index)));
+    }
+    if ADDS {
+        sh.r += unpack_half4(state[3u * index]);
+        sh.g += unpack_half4(state[3u * index + 1u]);
+        sh.b += unpack_half4(state[3u * index + 2u]);
     }
     state[3u * index] = pack_half4(sh.r);
     state[3u * index + 1u] = pack_half4(sh.g);

@@ -7,6 +7,7 @@ mod cells;
 mod contract;
 mod definition;
 mod energy;
+mod flow;
 mod gather;
 mod gather_proof;
 mod gather_views;
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         lighting::TESTS,
         light::TESTS,
         energy::TESTS,
+        flow::TESTS,
         gather::TESTS,
         gather_views::TESTS,
         gather_proof::TESTS,
