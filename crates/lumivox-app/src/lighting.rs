@@ -14,10 +14,11 @@ pub(crate) fn light_scene(scene: &mut Scene, shot: &ShotArgs, camera: &Camera) {
     if let Some(sun) = shot.sun {
         scene.lights = vec![Light::Directional { direction: sun.direction, irradiance: sun.irradiance }];
         scene.sky = Vec3::ZERO;
+        scene.sky_map = None;
         return;
     }
     let emits = scene.materials.iter().any(|m| m.emission.max_element() > 0.0);
-    if !scene.lights.is_empty() || emits || scene.sky != Vec3::ZERO {
+    if !scene.lights.is_empty() || emits || scene.has_sky() {
         return;
     }
     let forward = (camera.target - camera.eye).normalize_or_zero();

@@ -16,6 +16,40 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// All lights; emissive materials are lights too.
     pub lights: Vec<Light>,
+    /// A sky that is not the same everywhere; adds to constant lights.
+    pub environment: Option<Environment>,
+}
+
+/// Radiance from all directions in W/(m2 sr): a latitude-longitude picture, row 0 around +y, its middle towards -z and
+/// what is right of the middle towards +x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row by row.
+    pub pixels: Vec<Vec3>,
+}
+
+impl Environment {
+    /// Interpolated between the middles of pixels, around the vertical without a seam.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        let longitude = direction.x.atan2(-direction.z);
+        let colatitude = direction.y.clamp(-1.0, 1.0).acos();
+        let x = (longitude / std::f32::consts::TAU + 0.5) * self.width as f32 - 0.5;
+        let y = (colatitude / std::f32::consts::PI * self.height as f32 - 0.5)
+            .clamp(0.0, (self.height - 1) as f32);
+        let column = |offset: i64| (x.floor() as i64 + offset).rem_euclid(i64::from(self.width)) as usize;
+        let row = |offset: u32| (y as u32 + offset).min(self.height - 1) as usize;
+        let mut sum = Vec3::ZERO;
+        for (i, across) in [(0, 1.0 - (x - x.floor())), (1, x - x.floor())] {
+            for (j, down) in [(0, 1.0 - y.fract()), (1, y.fract())] {
+                sum += across * down * self.pixels[row(j) * self.width as usize + column(i)];
+            }
+        }
+        sum
+    }
 }
 
 /// A triangle in world space.
@@ -227,6 +261,9 @@ pub enum SceneError {
     /// The camera has no direction, no angle or a value that is not finite.
     #[error("the camera needs an eye apart from its target and an angle between 0 and 180 degrees")]
     BadCamera,
+    /// The environment has no pixels, too few, or some that are negative or not finite.
+    #[error("the environment needs width x height pixels that are finite and not negative")]
+    BadEnvironment,
     /// The picture has no pixels or no samples.
     #[error("a picture needs at least one pixel and one sample")]
     EmptyPicture,
@@ -281,6 +318,15 @@ impl Scene {
             check_amount("light", index, amount)?;
             if !places.iter().all(|p| p.is_finite()) {
                 return Err(SceneError::BadValue { what: "light", index });
+            }
+        }
+        if let Some(Environment { width, height, pixels }) = &self.environment {
+            let count = *width as usize * *height as usize;
+            if count == 0
+                || pixels.len() != count
+                || pixels.iter().any(|p| !p.is_finite() || p.min_element() < 0.0)
+            {
+                return Err(SceneError::BadEnvironment);
             }
         }
         Ok(())

@@ -1,9 +1,11 @@
 //! The picture: direct light + albedo / pi * indirect irradiance + emission, or one layer of it alone.
 
 use glam::Vec3;
-use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, Uniform};
+use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, TextureOptions, Uniform};
 use lumivox::{wgpu, wgsl};
+use lumivox_scene::SkyMap;
 
+use crate::lights::Sky;
 use crate::surface::{HDR_FORMAT, SurfaceView};
 
 /// The shader.
@@ -35,7 +37,7 @@ pub enum Layer {
 lumivox::gpu_struct! {
     /// What the composition shows.
     pub struct CompositeUniform {
-        /// Radiance where nothing was drawn.
+        /// Radiance where nothing was drawn, without what the map adds.
         pub sky: Vec3,
         /// A [`Layer`] by number.
         pub layer: u32,
@@ -47,20 +49,24 @@ lumivox::gpu_struct! {
 pub struct CompositePass {
     pass: FullscreenPass,
     uniform: Uniform<CompositeUniform>,
+    sky: Vec3,
+    sky_map: Texture,
 }
 
 impl CompositePass {
-    /// Compiles it.
-    pub fn new(gpu: &Gpu) -> Self {
+    /// Compiles it, for a sky to be seen behind everything.
+    pub fn new(gpu: &Gpu, sky: &Sky) -> Result<Self, GpuError> {
         let nothing = CompositeUniform { sky: Vec3::ZERO, layer: 0 };
-        Self {
+        Ok(Self {
             pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, false),
             uniform: Uniform::new(gpu, "render/composite", &nothing),
-        }
+            sky: sky.constant,
+            sky_map: sky_texture(gpu, sky)?,
+        })
     }
 
-    /// Chooses the layer and the sky's radiance, from the next submission on.
-    pub fn update(&self, gpu: &Gpu, layer: Layer, sky: Vec3) {
+    /// Chooses the layer, from the next submission on.
+    pub fn update(&self, gpu: &Gpu, layer: Layer) {
         let number = match layer {
             Layer::Final | Layer::Voxels => 0,
             Layer::Direct => 1,
@@ -69,7 +75,7 @@ impl CompositePass {
             Layer::Normal => 4,
             Layer::Depth => 5,
         };
-        self.uniform.write(gpu, &CompositeUniform { sky, layer: number });
+        self.uniform.write(gpu, &CompositeUniform { sky: self.sky, layer: number });
     }
 
     /// Makes the picture.
@@ -90,7 +96,28 @@ impl CompositePass {
             .read("albedo", &gbuffer.albedo)
             .read("emission", &gbuffer.emission)
             .read("radiance", &gbuffer.radiance)
+            .read("sky_map", &self.sky_map)
             .read("irradiance", irradiance);
         self.pass.record(gpu, encoder, &bindings, picture, false)
     }
+}
+
+/// The sky's map, of at most as many rows as every device takes twice of as columns; black where there is none.
+fn sky_texture(gpu: &Gpu, sky: &Sky) -> Result<Texture, GpuError> {
+    let black = SkyMap { width: 1, height: 1, pixels: vec![Vec3::ZERO] };
+    let rows = gpu.device.limits().max_texture_dimension_2d / 2;
+    let map = sky.map.as_ref().map_or(black, |map| map.shrunk(rows));
+    let half = |c: f32| half::f16::from_f32(c.clamp(0.0, lumivox::wgsl::HALF_MAX));
+    let texels: Vec<[half::f16; 4]> =
+        map.pixels.iter().map(|p| [half(p.x), half(p.y), half(p.z), half::f16::ZERO]).collect();
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let options = TextureOptions { size: [map.width, map.height], format: HDR_FORMAT, usage, mips: 1 };
+    let texture = Texture::new(gpu, "render/sky", options)?;
+    gpu.queue.write_texture(
+        texture.raw.as_image_copy(),
+        lumivox::bytemuck::cast_slice(&texels),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * map.width), rows_per_image: None },
+        wgpu::Extent3d { width: map.width, height: map.height, depth_or_array_layers: 1 },
+    );
+    Ok(texture)
 }

@@ -13,15 +13,38 @@ struct CompositeUniform {
 @group(0) @binding(5) var emission: texture_2d<f32>;
 @group(0) @binding(6) var radiance: texture_2d<f32>;
 @group(0) @binding(7) var irradiance: texture_2d<f32>;
+@group(0) @binding(8) var sky_map: texture_2d<f32>;
 
 const PI: f32 = 3.1415927;
+
+fn sky_texel(x: i32, y: i32) -> vec3f {
+    let size = vec2i(textureDimensions(sky_map));
+    return textureLoad(sky_map, vec2i((x + size.x) % size.x, clamp(y, 0, size.y - 1)), 0).rgb;
+}
+
+// The sky that a pixel sees: the constant one and its map, which is closed all round.
+fn sky_behind(texel: vec2u) -> vec3f {
+    let far = world_from_texel(view, texel, mix(view.far_depth, 1.0 - view.far_depth, 0.25));
+    let near = world_from_texel(view, texel, mix(view.far_depth, 1.0 - view.far_depth, 0.5));
+    let d = normalize(far - near);
+    let place = vec2f(0.5 + atan2(d.x, -d.z) / (2.0 * PI), 0.5 - asin(clamp(d.y, -1.0, 1.0)) / PI);
+    let at = place * vec2f(textureDimensions(sky_map)) - 0.5;
+    let low = vec2i(floor(at));
+    let f = at - floor(at);
+    let upper = mix(sky_texel(low.x, low.y), sky_texel(low.x + 1, low.y), f.x);
+    let lower = mix(sky_texel(low.x, low.y + 1), sky_texel(low.x + 1, low.y + 1), f.x);
+    return min(composite.sky + mix(upper, lower, f.y), vec3f(HALF_MAX));
+}
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let texel = vec2u(position.xy);
     let pixel_depth = textureLoad(depth, texel, 0);
     if pixel_depth == view.far_depth {
-        return vec4f(select(vec3f(0.0), min(composite.sky, vec3f(HALF_MAX)), composite.layer == 0u), 0.0);
+        if composite.layer == 0u {
+            return vec4f(sky_behind(texel), 0.0);
+        }
+        return vec4f(0.0);
     }
     let reflectance = textureLoad(albedo, texel, 0).rgb;
     let direct = textureLoad(radiance, texel, 0).rgb;

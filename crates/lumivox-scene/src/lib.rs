@@ -18,6 +18,7 @@ mod limits;
 mod mesh;
 mod report;
 mod scene;
+mod sky;
 
 pub use animation::{Animation, Clip, DeformedMesh, Interpolation, NodeId, Pose, Track, Transform};
 pub use error::SceneError;
@@ -26,3 +27,4 @@ pub use limits::Limits;
 pub use mesh::Mesh;
 pub use report::ImportReport;
 pub use scene::{AlphaMode, Camera, Instance, Light, Material, Scene, SpotFalloff, Texture, Wrap};
+pub use sky::SkyMap;

@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3, Vec4};
 use lumivox_core::Bounds;
 
-use crate::{Animation, ImportReport, Mesh};
+use crate::{Animation, ImportReport, Mesh, SkyMap};
 
 /// Everything that is rendered. Indices between the lists are always in range.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Radiance of a constant sky in W/(m2 sr); zero if there is none.
     pub sky: Vec3,
+    /// What a gradient or a picture adds to the constant sky.
+    pub sky_map: Option<SkyMap>,
     /// What moves, and how.
     pub animation: Animation,
     /// What was left out on the way in.
@@ -35,6 +37,17 @@ impl Scene {
             let points = self.meshes[i.mesh].positions.iter();
             sum.union(&Bounds::of_points(points.map(|&p| i.world_from_local.transform_point3(p.into()))))
         })
+    }
+
+    /// Radiance of the sky in a unit direction, W/(m2 sr).
+    pub fn sky_radiance(&self, direction: Vec3) -> Vec3 {
+        self.sky + self.sky_map.as_ref().map_or(Vec3::ZERO, |map| map.radiance(direction))
+    }
+
+    /// Whether light comes from the sky.
+    pub fn has_sky(&self) -> bool {
+        self.sky != Vec3::ZERO
+            || self.sky_map.as_ref().is_some_and(|m| m.pixels.iter().any(|p| *p != Vec3::ZERO))
     }
 
     /// Triangles over all instances.

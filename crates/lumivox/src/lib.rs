@@ -78,7 +78,7 @@ pub fn generated_texts() -> Vec<gpu::GeneratedText> {
 /// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
 pub fn shader_constants() -> Vec<(&'static str, f32)> {
     use lumivox_core::sh;
-    vec![
+    let mut all = vec![
         ("SH_Y0", sh::Y0),
         ("SH_Y1", sh::Y1),
         ("SH_COS0", sh::COS0),
@@ -91,7 +91,9 @@ pub fn shader_constants() -> Vec<(&'static str, f32)> {
         ("LUMIVOX_MEAN", sh::Y0),
         ("LUMIVOX_COSINE_0", sh::COS0),
         ("LUMIVOX_COSINE_1", sh::COS1),
-    ]
+    ];
+    all.extend(gather::CONSTANTS);
+    all
 }
 
 /// Every struct of this crate that has a twin in WGSL: name, size and fields.

@@ -18,6 +18,11 @@ pub(crate) fn oracle_scene(scene: &Scene) -> oracle::Scene {
         materials: scene.materials.iter().map(material).collect(),
         textures: scene.textures.iter().map(texture).collect(),
         lights,
+        environment: scene.sky_map.as_ref().map(|map| oracle::Environment {
+            width: map.width,
+            height: map.height,
+            pixels: map.pixels.clone(),
+        }),
     }
 }
 

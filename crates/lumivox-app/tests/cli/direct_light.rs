@@ -137,13 +137,15 @@ pub(crate) fn sky_in_a_box() -> Result<(), Failed> {
     check(&Folder::new(), "sky", &sky(), &cornell(), (options, 2.0 * CLOSE))
 }
 
-/// The patient version, in the box and in the room, there with its sun: minutes for each.
+/// The patient version, in the box and in the room, there with its sun and without: minutes for each.
 pub(crate) fn sky_with_patience() -> Result<(), Failed> {
     let folder = Folder::new();
     let options = "--size 32x18 --max-samples 262144 --light-samples 4096";
     check(&folder, "box", &sky(), &cornell(), (options, CLOSE))?;
     let options = "--size 32x18 --max-samples 1000000 --light-samples 4096";
-    is_close(&folder, "builtin:room", "room", options, CLOSE)
+    is_close(&folder, "builtin:room", "room", options, CLOSE)?;
+    let options = "--size 32x18 --max-samples 1000000 --light-samples 32768";
+    check(&folder, "room_sky", &sky(), &room(&folder)?, (options, CLOSE))
 }
 
 /// The atrium that everybody knows, under each lamp.
@@ -169,14 +171,14 @@ fn sponza(folder: &Folder, assets: &Path) -> Result<(Value, Vec<Value>), Failed>
     Ok((camera, vec![json!({"file": "sponza.glb"})]))
 }
 
-/// Area lights there, a rect light as close as lamps and the sky, of which hardly any is seen, to 1.5 %: twenty minutes on two
-/// cores without a graphics card.
+/// Area lights there, a rect light and the sky, of which hardly any is seen: up to half an hour on two cores without a graphics
+/// card.
 pub(crate) fn area_lights_in_sponza(assets: &Path) -> Result<(), Failed> {
     let folder = Folder::new();
     let rect = json!({"type": "rect", "origin": [-5, 7, -1], "u": [3, 0, 0], "v": [0, 0, 2], "radiance": [20, 19, 17]});
     let sponza = sponza(&folder, assets)?;
     let options = "--size 48x27 --max-samples 1000000";
     check(&folder, "rect", &rect, &sponza, (options, CLOSE))?;
-    let options = "--size 96x54 --max-samples 1000000 --light-samples 8192 --shadow-size 8192";
-    check(&folder, "sky", &sky(), &sponza, (options, 1.5 * CLOSE))
+    let options = "--size 48x27 --max-samples 1000000 --light-samples 16384 --shadow-size 8192";
+    check(&folder, "sky", &sky(), &sponza, (options, CLOSE))
 }

@@ -142,7 +142,8 @@ impl Pixel {
             let first = self.sequences.first_steps(n);
             self.paths[(n % REPLICATES) as usize] += 1;
             let Some(start) = center.unwrap_or_else(|| start(first.pixel)) else {
-                self.emitted += world.sky.as_dvec3();
+                let within = if center.is_some() { Vec2::splat(0.5) } else { first.pixel };
+                self.emitted += world.sky(pinhole.direction(corner + within)).as_dvec3();
                 continue;
             };
             let albedo = start.surface.albedo;

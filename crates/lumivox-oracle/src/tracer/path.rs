@@ -64,7 +64,7 @@ pub(crate) fn gather(
         let next = follow(world, &surface, direction, is_last);
         irradiance += match &next {
             Next::Nothing => Vec3::ZERO,
-            Next::Sky => PI * world.sky,
+            Next::Sky(direction) => PI * world.sky(*direction),
             Next::Surface { light, .. } => PI * *light,
         };
         match bounce {
@@ -100,7 +100,8 @@ enum Next {
     /// Nothing that matters: the direction runs into the surface itself, where the interpolated normal leans too far, or
     /// at the end of a path into one that sends no light.
     Nothing,
-    Sky,
+    /// The sky, in this direction.
+    Sky(Vec3),
     Surface {
         surface: Surface,
         /// Its emission, weighted against light sampling.
@@ -115,11 +116,11 @@ fn follow(world: &World<'_>, from: &Surface, sample: Vec2, is_last: bool) -> Nex
     }
     if is_last && world.emitters.is_empty() {
         // Whatever is met is dark, so any surface will do, and without a sky it need not be looked for.
-        let is_open = world.sky != Vec3::ZERO && world.sees(from, direction, f32::INFINITY, None);
-        return if is_open { Next::Sky } else { Next::Nothing };
+        let is_open = world.has_sky() && world.sees(from, direction, f32::INFINITY, None);
+        return if is_open { Next::Sky(direction) } else { Next::Nothing };
     }
     let Some(surface) = world.trace(lifted(from.position, from.face), direction, true) else {
-        return Next::Sky;
+        return Next::Sky(direction);
     };
     let mut light = surface.emission;
     if light != Vec3::ZERO {

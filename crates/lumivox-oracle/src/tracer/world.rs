@@ -35,7 +35,7 @@ pub(crate) struct World<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) emitters: Emitters,
     /// Sum of all constant lights, W/(m2 sr).
-    pub(crate) sky: Vec3,
+    constant_sky: Vec3,
     geometry: Geometry,
     samplers: Vec<Sampler<'a>>,
     rects: Vec<RectTriangle>,
@@ -64,7 +64,17 @@ impl<'a> World<'a> {
             .chain(rects.iter().map(|r| r.radiance.max_element()));
         let emitters = Emitters::new(corners.clone().zip(strengths));
         let samplers = scene.textures.iter().map(Sampler::new).collect();
-        Ok(Self { scene, emitters, sky, geometry: Geometry::new(corners), samplers, rects })
+        Ok(Self { scene, emitters, constant_sky: sky, geometry: Geometry::new(corners), samplers, rects })
+    }
+
+    /// What comes from the sky in a direction, W/(m2 sr).
+    pub(crate) fn sky(&self, direction: Vec3) -> Vec3 {
+        let environment = self.scene.environment.as_ref();
+        self.constant_sky + environment.map_or(Vec3::ZERO, |e| e.radiance(direction))
+    }
+
+    pub(crate) fn has_sky(&self) -> bool {
+        self.constant_sky != Vec3::ZERO || self.scene.environment.is_some()
     }
 
     /// Corners of a triangle, of the scene or of a rectangular light.

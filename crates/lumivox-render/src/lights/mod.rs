@@ -13,6 +13,7 @@
 
 mod panels;
 mod samples;
+mod sky;
 mod views;
 
 use glam::Vec3;
@@ -21,6 +22,7 @@ use lumivox_scene::{Light, SpotFalloff};
 
 pub use panels::panels;
 pub use samples::{LightSample, area_samples, light_samples, sky_samples};
+pub use sky::Sky;
 pub use views::{ViewShape, light_views, visible_part};
 
 lumivox::gpu_struct! {

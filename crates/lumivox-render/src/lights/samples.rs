@@ -1,11 +1,11 @@
 //! Area lights as sums of samples.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 use lumivox_scene::Light;
 
-use super::{LIGHT_RECT, LIGHT_SKY, LightUniform, ViewShape, point_like, unit};
+use super::{LIGHT_RECT, LIGHT_SKY, LightUniform, Sky, ViewShape, point_like, unit};
 
 /// The step of a spiral or lattice whose points never line up: the golden section, of 2^32.
 const GOLDEN_STEP: u32 = 0x9e37_79b9;
@@ -34,10 +34,10 @@ pub fn light_samples(light: &Light, count: u32) -> Vec<LightSample> {
     point_like(light).map(|uniform| LightSample { uniform, shape, is_area: false }).into_iter().collect()
 }
 
-/// The samples of all lights and of a constant sky, which has none where it is black. The sky is cut into `count`, a rect light
-/// into a quarter of that, since it needs five views a sample.
-pub fn area_samples(lights: &[Light], sky: Vec3, count: u32) -> Vec<LightSample> {
-    let sky = if sky.max_element() > 0.0 { sky_samples(sky, count) } else { Vec::new() };
+/// The samples of all lights and of the sky, which has none where it is black. The sky is cut into `of_sky`, a rect light
+/// into a quarter of `count`, since it needs five views a sample.
+pub fn area_samples(lights: &[Light], sky: &Sky, count: u32, of_sky: u32) -> Vec<LightSample> {
+    let sky = if sky.is_black() { Vec::new() } else { sky_samples(sky, of_sky) };
     lights.iter().flat_map(|l| light_samples(l, count.div_ceil(4))).chain(sky).collect()
 }
 
@@ -77,8 +77,12 @@ const BELOW_HORIZON: f32 = 0.25;
 /// Directions on a Fibonacci spiral over the whole sphere, each with the solid angle around it. Above the horizon half of
 /// them are spread evenly and half by the cosine that a floor sees them with, so that overhead they are 2.3 times as dense as if
 /// all were spread evenly, at the horizon 0.75 times, and below it half as dense.
-pub fn sky_samples(radiance: Vec3, count: u32) -> Vec<LightSample> {
-    (0..count)
+///
+/// Of a map each takes the mean over a disc of its solid angle; then all are scaled, for each colour, so that together they
+/// send what the map sends.
+pub fn sky_samples(sky: &Sky, count: u32) -> Vec<LightSample> {
+    let blurred = sky.blurred(16 * count);
+    let mut samples: Vec<LightSample> = (0..count)
         .map(|n| {
             let from_top = (n as f32 + 0.5) / count as f32;
             let above = 1.0 - BELOW_HORIZON;
@@ -92,29 +96,57 @@ pub fn sky_samples(radiance: Vec3, count: u32) -> Vec<LightSample> {
             let radius = (1.0 - y * y).max(0.0).sqrt();
             let (sin, cos) = (TAU * golden_turn(n, 0.0)).sin_cos();
             let solid_angle = TAU / (share * count as f32);
+            let direction = Vec3::new(radius * cos, y, radius * sin);
             LightSample {
                 uniform: LightUniform {
                     kind: LIGHT_SKY,
-                    direction: -Vec3::new(radius * cos, y, radius * sin),
-                    intensity: (radiance * solid_angle).min(Vec3::MAX),
+                    direction: -direction,
+                    intensity: (radiance_around(&blurred, direction, solid_angle) * solid_angle)
+                        .min(Vec3::MAX),
                     ..LightUniform::NONE
                 },
                 shape: ViewShape::Parallel,
                 is_area: true,
             }
         })
-        .collect()
+        .collect();
+    if sky.map.is_some() {
+        let sent: Vec3 = samples.iter().map(|s| s.uniform.intensity).sum();
+        // Nothing was found where there is next to nothing.
+        let lit = sent.cmpgt(Vec3::splat(1e-20));
+        let scale = Vec3::select(lit, 2.0 * TAU * sky.mean() / sent, Vec3::ZERO);
+        for sample in &mut samples {
+            sample.uniform.intensity = (scale * sample.uniform.intensity).min(Vec3::MAX);
+        }
+    }
+    samples
+}
+
+/// Mean radiance of a disc of directions.
+fn radiance_around(sky: &Sky, direction: Vec3, solid_angle: f32) -> Vec3 {
+    const POINTS: u32 = 16;
+    if sky.map.is_none() {
+        return sky.constant;
+    }
+    let (u, v) = direction.any_orthonormal_pair();
+    let around = (0..POINTS).map(|n| {
+        let reach = (solid_angle / PI * (n as f32 + 0.5) / POINTS as f32).sqrt();
+        let (sin, cos) = (TAU * golden_turn(n, 0.0)).sin_cos();
+        sky.radiance((direction + reach * (cos * u + sin * v)).normalize())
+    });
+    around.sum::<Vec3>() / POINTS as f32
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f32::consts::PI;
+    use lumivox_scene::SkyMap;
 
     use super::*;
 
     #[test]
     fn an_open_sky_gives_pi_times_its_radiance_whichever_way_a_surface_faces() {
-        let samples = sky_samples(Vec3::new(1.0, 2.0, 0.5), 256);
+        let sky = Sky { constant: Vec3::new(1.0, 2.0, 0.5), map: None };
+        let samples = sky_samples(&sky, 256);
         for n in [Vec3::Y, Vec3::X, Vec3::new(0.6, -0.8, 0.0), Vec3::new(0.48, 0.6, -0.64)] {
             let sum: Vec3 =
                 samples.iter().map(|s| s.uniform.intensity * n.dot(-s.uniform.direction).max(0.0)).sum();
@@ -133,6 +165,36 @@ mod tests {
             let (least, most) = gaps.fold((f64::MAX, 0.0_f64), |(l, m), gap| (l.min(gap), m.max(gap)));
             assert!(least > 0.3 && most < 2.0, "{count}: {least} {most}");
         }
+    }
+
+    /// Irradiance under a map by integration over its pixels, of samples as many as a still takes and as a volume does.
+    #[test]
+    fn a_map_sends_its_light_from_where_it_is() {
+        let map = SkyMap::gradient(Vec3::new(0.1, 0.2, 0.8), Vec3::new(2.0, 1.0, 0.5), Vec3::splat(0.1));
+        let mut wide = SkyMap { width: 128, height: 64, pixels: vec![Vec3::ZERO; 128 * 64] };
+        for (n, pixel) in wide.pixels.iter_mut().enumerate() {
+            let d = wide_direction(n);
+            *pixel = map.radiance(d)
+                + if d.dot(Vec3::new(0.6, 0.8, 0.0)) > 0.97 { Vec3::splat(40.0) } else { Vec3::ZERO };
+        }
+        let sky = Sky { constant: Vec3::ZERO, map: Some(wide.clone()) };
+        for count in [64, 1024] {
+            let samples = sky_samples(&sky, count);
+            for n in [Vec3::Y, Vec3::X, Vec3::NEG_X, Vec3::NEG_Y] {
+                let received = |(k, p): (usize, &Vec3)| {
+                    wide.solid_angle(k as u32 / wide.width) * n.dot(wide_direction(k)).max(0.0) * *p
+                };
+                let expected: Vec3 = wide.pixels.iter().enumerate().map(received).sum();
+                let sum: Vec3 =
+                    samples.iter().map(|s| s.uniform.intensity * n.dot(-s.uniform.direction).max(0.0)).sum();
+                let error = ((sum - expected) / PI).abs().max_element();
+                assert!(error < if count == 64 { 0.2 } else { 0.04 }, "{count} {n}: {sum} for {expected}");
+            }
+        }
+    }
+
+    fn wide_direction(n: usize) -> Vec3 {
+        SkyMap { width: 128, height: 64, pixels: Vec::new() }.direction(n as u32 % 128, n as u32 / 128)
     }
 
     /// The form factor of a square plate of side `a` for a parallel element at distance `c` on its axis, in closed form.

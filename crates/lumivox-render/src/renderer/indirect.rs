@@ -1,5 +1,6 @@
 //! The ways of light through the volume, and what each takes of a frame.
 
+use glam::Vec3;
 use lumivox::VolumeBuffer;
 use lumivox::gather::{GatherSettings, GatheredLight};
 use lumivox::gpu::{Gpu, GpuError, Texture};
@@ -10,6 +11,7 @@ use lumivox::wgpu::CommandEncoder;
 
 use super::injected_lights::InjectedLight;
 use super::{GiMethod, Settings};
+use crate::lights::Sky;
 
 /// Light of the volume.
 #[derive(Debug)]
@@ -27,18 +29,23 @@ impl Indirect {
         gpu: &Gpu,
         volume: &VolumeBuffer,
         settings: &Settings,
-        light: LightSettings,
+        sky: &Sky,
     ) -> Result<Self, GpuError> {
+        // Whether samples of the sky light the picture; else it comes with the rest of the light.
+        let sampled = settings.area_samples > 0;
         if settings.gi == GiMethod::Gather {
-            let settings = GatherSettings { sky: light.sky, ..settings.gather };
-            return Ok(Self::Gathered(Box::new(GatheredLight::new(gpu, volume, settings)?)));
+            let gather = GatherSettings { sky_apart: sampled, ..settings.gather };
+            let light = GatheredLight::new(gpu, volume, gather)?;
+            light.set_sky(gpu, |direction| sky.radiance(direction));
+            return Ok(Self::Gathered(Box::new(light)));
         }
         if settings.gi == GiMethod::Lpv {
             let lpv = LightPropagationVolume::new(gpu, volume, settings.lpv_blocking)?;
             return Ok(Self::Lpv(Box::new(lpv)));
         }
         let propagated = IndirectLight::new(gpu, volume)?;
-        propagated.update(gpu, &light);
+        let of_sky = if sampled { Vec3::ZERO } else { sky.mean() };
+        propagated.update(gpu, &LightSettings { sky: of_sky, ..settings.light });
         Ok(Self::Propagated(Box::new(propagated)))
     }
 
@@ -123,6 +130,8 @@ impl Indirect {
                 light.record_light(gpu, encoder, view, volume)
             }),
             Self::Propagated(_) => Ok(()),
+            // Its light comes by rays.
+            Self::Gathered(_) if source.is_sky() => Ok(()),
             Self::Gathered(light) => {
                 views.try_for_each(|view| light.record_light(gpu, encoder, view, volume))
             }

@@ -8,12 +8,12 @@ use lumivox::core::{Bounds, View};
 use lumivox::gpu::{Gpu, GpuError, Uniform};
 use lumivox::progressive::{InjectionScale, ViewTextures};
 
-use super::Settings;
-use crate::lights::{self, LightSample, LightUniform, ViewShape};
+use super::{GiMethod, Settings};
+use crate::lights::{self, LIGHT_SKY, LightSample, LightUniform, ViewShape};
 use crate::surface::{self, HDR_FORMAT, SurfaceView};
 
 /// Samples of an area light that bring attributes and clean up, of those from above; the others bring light alone.
-const FULL_SAMPLES: usize = 8;
+pub(super) const FULL_SAMPLES: usize = 8;
 
 /// All lights of the volume.
 #[derive(Debug)]
@@ -34,6 +34,17 @@ pub(super) struct InjectedLight {
 /// Whether a light's views use the half-size maps: there are several of them, or many samples.
 fn is_half(sample: &LightSample) -> bool {
     sample.is_area || sample.shape.count() > 1
+}
+
+fn is_sky(sample: &LightSample) -> bool {
+    sample.uniform.kind == LIGHT_SKY
+}
+
+impl InjectedLight {
+    /// Whether it is a sample of the sky.
+    pub(super) fn is_sky(&self) -> bool {
+        is_sky(&self.sample)
+    }
 }
 
 impl InjectedLights {
@@ -89,7 +100,7 @@ fn sources(gpu: &Gpu, samples: &[LightSample], settings: &Settings) -> Result<Ve
     let half_size = (settings.rsm_size / 2).max(1);
     let mut whole: Option<ViewTextures> = None;
     let mut halves: Vec<ViewTextures> = Vec::new();
-    let every = (settings.area_maps as usize).div_ceil(FULL_SAMPLES).max(1);
+    let usual = (settings.area_maps as usize).div_ceil(FULL_SAMPLES).max(1);
     let mut sources = Vec::with_capacity(samples.len());
     for (n, sample) in samples.iter().enumerate() {
         let mut views = Vec::new();
@@ -110,6 +121,8 @@ fn sources(gpu: &Gpu, samples: &[LightSample], settings: &Settings) -> Result<Ve
         }
         // What comes from below would show the undersides of floors, which lie in other cells than their tops.
         let from_above = sample.shape != ViewShape::Parallel || sample.uniform.direction.y < 0.0;
+        // Where light is gathered the sky has no others.
+        let every = if settings.gi == GiMethod::Gather && is_sky(sample) { 1 } else { usual };
         let is_full = !sample.is_area || (n % every == 0 && from_above);
         let uniform = Uniform::new(gpu, "render/light", &sample.uniform);
         sources.push(InjectedLight { uniform, views, is_full, sample: *sample });

@@ -11,7 +11,6 @@ use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, GridError, View};
 use lumivox::gather::{GatheredLight, SurfelCount};
 use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
-use lumivox::light::LightSettings;
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 use lumivox_scene::{Camera, Light, Pose, Scene};
@@ -19,14 +18,14 @@ use lumivox_scene::{Camera, Light, Pose, Scene};
 use crate::composite::{CompositePass, Layer};
 use crate::direct::DirectPass;
 use crate::gpu_scene::GpuScene;
-use crate::lights::{self, LightSample};
+use crate::lights::{self, LightSample, Sky};
 use crate::shadow::ShadowPass;
 use crate::subcells::voxelize_scenes;
 use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
 use crate::triangles;
 use crate::voxel_view::VoxelView;
 use indirect::Indirect;
-use injected_lights::InjectedLights;
+use injected_lights::{FULL_SAMPLES, InjectedLights};
 use view_voxelizer::{Target, ViewVoxelizer};
 
 pub use settings::{GiMethod, Settings, VoxelSource};
@@ -67,7 +66,7 @@ pub struct Renderer {
     camera: SurfaceView,
     shadowed: ShadowedLights,
     injected: InjectedLights,
-    sky: Vec3,
+    sky: Sky,
     gbuffer_pass: SurfacePass,
     rsm_pass: SurfacePass,
     shadow_pass: ShadowPass,
@@ -99,17 +98,16 @@ impl Renderer {
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
         let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
-        let sampled_sky = if settings.area_samples > 0 { scene.sky } else { Vec3::ZERO };
-        let light = LightSettings { sky: scene.sky - sampled_sky, ..settings.light };
-        let indirect = Indirect::new(gpu, &volume, &settings, light)?;
+        let sky = Sky::of(scene);
+        let indirect = Indirect::new(gpu, &volume, &settings, &sky)?;
         let panels = lights::panels(&scene.lights);
         let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
         let camera = camera_target(gpu, &settings)?;
-        let [for_picture, for_volume] = light_samples(&settings, &scene.lights, sampled_sky);
+        let [for_picture, for_volume] = light_samples(&settings, &scene.lights, &sky);
         let injected = InjectedLights::new(gpu, &for_volume, &settings)?;
         let emission = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
-        let composite_pass = CompositePass::new(gpu);
-        composite_pass.update(gpu, settings.layer, scene.sky);
+        let composite_pass = CompositePass::new(gpu, &sky)?;
+        composite_pass.update(gpu, settings.layer);
         let mut renderer = Self {
             gpu: gpu.clone(),
             settings,
@@ -122,7 +120,7 @@ impl Renderer {
             camera,
             shadowed: ShadowedLights::new(gpu, for_picture, settings.shadow_size)?,
             injected,
-            sky: scene.sky,
+            sky,
             direct_pass: DirectPass::new(gpu),
             composite_pass,
             voxel_view: VoxelView::new(gpu),
@@ -158,8 +156,7 @@ impl Renderer {
 
     /// Moves and changes the lights, as many and of the same kinds as before, from the next frame on.
     pub fn set_lights(&mut self, lights: &[Light]) {
-        let sampled_sky = if self.settings.area_samples > 0 { self.sky } else { Vec3::ZERO };
-        let [for_picture, for_volume] = light_samples(&self.settings, lights, sampled_sky);
+        let [for_picture, for_volume] = light_samples(&self.settings, lights, &self.sky);
         self.shadowed.set(for_picture);
         self.injected.set(&self.gpu, &for_volume);
         self.scene.set_panels(&self.gpu, &lights::panels(lights));
@@ -195,7 +192,7 @@ impl Renderer {
     /// Chooses what the picture shows, from the next frame on.
     pub fn set_layer(&mut self, layer: Layer) {
         self.settings.layer = layer;
-        self.composite_pass.update(&self.gpu, layer, self.sky);
+        self.composite_pass.update(&self.gpu, layer);
     }
 
     /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
@@ -405,9 +402,17 @@ fn steps(settings: &Settings) -> u32 {
     }
 }
 
-/// The samples of all lights for the picture and for the volume.
-fn light_samples(settings: &Settings, lights: &[Light], sky: Vec3) -> [Vec<LightSample>; 2] {
-    [settings.area_samples, settings.area_maps].map(|count| lights::area_samples(lights, sky, count))
+/// The samples of all lights for the picture and for the volume. Surfels see the sky by themselves: where light is gathered, the volume
+/// has only as many of its samples as bring surfaces.
+fn light_samples(settings: &Settings, lights: &[Light], sky: &Sky) -> [Vec<LightSample>; 2] {
+    let Settings { area_samples, area_maps, .. } = *settings;
+    let of_sky = match settings.gi {
+        _ if area_samples == 0 => 0,
+        GiMethod::Gather => area_maps.min(FULL_SAMPLES as u32),
+        _ => area_maps,
+    };
+    [(area_samples, area_samples), (area_maps, of_sky)]
+        .map(|(count, of_sky)| lights::area_samples(lights, sky, count, of_sky))
 }
 
 fn camera_target(gpu: &Gpu, settings: &Settings) -> Result<SurfaceView, GpuError> {

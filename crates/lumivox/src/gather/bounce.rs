@@ -32,6 +32,7 @@ impl Bounce {
             .read("surfels", &store.surfels)
             .read("light", &store.light)
             .read("hits", &store.hits)
+            .read("sky_light", &store.sky_light)
             .read("before", &store.shine)
             .write("after", &mut store.next_shine);
         self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)

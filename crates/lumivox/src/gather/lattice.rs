@@ -10,7 +10,7 @@ use crate::irradiance::IrradianceVolume;
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK, SH, linear_groups};
 
-use super::{GatherUniform, MARCH, MET, SEEN, SURFEL, Store};
+use super::{MARCH, MET, SEEN, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/lattice",
@@ -52,7 +52,7 @@ impl Lattice {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
+        volume: &VolumeBuffer,
         store: &Store,
         target: &mut IrradianceVolume,
         (rays, slice, slices): (u32, u32, u32),
@@ -67,7 +67,7 @@ impl Lattice {
         let [red, green, blue] = &mut target.textures;
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
-            .read("settings", settings)
+            .read("sky", &store.sky)
             .read("lattice", &self.uniform)
             .read("mask", &store.mask)
             .read("blocks", &store.blocks)

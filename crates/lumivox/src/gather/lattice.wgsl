@@ -10,7 +10,7 @@ struct LatticeUniform {
 }
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
-@group(0) @binding(1) var<uniform> settings: GatherUniform;
+@group(0) @binding(1) var<storage, read> sky: array<vec4f>;
 @group(0) @binding(2) var<uniform> lattice: LatticeUniform;
 @group(0) @binding(3) var<storage, read> mask: array<vec2u>;
 @group(0) @binding(4) var<storage, read> blocks: array<vec2u>;

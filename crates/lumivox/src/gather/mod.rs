@@ -10,6 +10,7 @@
 //! | `surfels` | for each cell and each of six directions, whether there is a surface that faces it |
 //! | `direct` | light of a view (a reflective shadow map) at points of each surfel |
 //! | `trace` | rays through the sub-cells; empty cells and blocks are crossed in one step |
+//! | `sky_light` | what the sky sends along the rays that leave the grid |
 //! | `bounce` | radiance of what the rays met becomes irradiance, and irradiance radiance |
 //! | `reconstruction` | irradiance at a pixel from the surfels around it that face its way |
 //! | `lattice` | light in free space, for an [`IrradianceVolume`] |
@@ -37,12 +38,14 @@ mod lattice;
 mod mask;
 mod reconstruction;
 mod settings;
+mod sky_light;
 mod surfels;
 mod trace;
 mod view_subcells;
 
 pub use lattice::LatticeUniform;
 pub use settings::{GatherSettings, GatherUniform, Quality};
+pub(crate) use sky_light::CONSTANTS;
 
 use glam::Vec3;
 
@@ -50,7 +53,6 @@ use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
 use crate::irradiance::IrradianceVolume;
 use crate::progressive::{LightView, ViewInput};
 use crate::volume::{VolumeBuffer, check_grid};
-use crate::wgsl::HALF_MAX;
 
 /// The shared shader part of surfels.
 const SURFEL: &str = include_str!("surfel.wgsl");
@@ -116,6 +118,7 @@ struct Passes {
     direct: direct::Direct,
     view_subcells: view_subcells::ViewSubcells,
     trace: trace::Trace,
+    sky_light: sky_light::SkyLight,
     lattice: lattice::Lattice,
     take_light: bounce::Bounce,
     bounce: bounce::Bounce,
@@ -136,12 +139,14 @@ struct Store {
     dispatch: Buffer,
     light: Buffer,
     hits: Buffer,
+    sky: Buffer,
+    sky_light: Buffer,
     shine: Buffer,
     next_shine: Buffer,
 }
 
 impl GatheredLight {
-    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 68 and 4 for each ray.
+    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 76 and 4 for each ray.
     ///
     /// # Errors
     /// A grid or a number of rays that does not fit the device.
@@ -173,6 +178,8 @@ impl GatheredLight {
             dispatch: dispatch::Dispatch::sizes(gpu),
             light: make("direct light", capacity * 16)?,
             hits: make("hits", capacity * 4 * u64::from(settings.rays))?,
+            sky: sky_light::SkyLight::squares(gpu)?,
+            sky_light: make("sky light", capacity * 8)?,
             shine: make("shine", capacity * 16)?,
             next_shine: make("next shine", capacity * 16)?,
         };
@@ -195,6 +202,7 @@ impl GatheredLight {
                 direct: direct::Direct::new(gpu),
                 view_subcells: view_subcells::ViewSubcells::new(gpu),
                 trace: trace::Trace::new(gpu),
+                sky_light: sky_light::SkyLight::new(gpu),
                 lattice: lattice::Lattice::new(gpu),
                 take_light: bounce::Bounce::new(gpu, false),
                 bounce: bounce::Bounce::new(gpu, true),
@@ -210,21 +218,34 @@ impl GatheredLight {
         };
         light.begin_frame(gpu);
         light.forget_hits(gpu);
+        light.set_sky(gpu, |_| settings.sky);
         Ok(light)
     }
 
     /// Begins a frame: says which rays it traces. Once before recording.
     pub fn begin_frame(&mut self, gpu: &Gpu) {
-        let GatherSettings { rays, frames, light_points, sky, .. } = self.settings;
+        let GatherSettings { rays, frames, light_points, sky_apart, .. } = self.settings;
         let traced_rays = rays.div_ceil(frames);
         let first_ray = (self.frame * traced_rays) % (traced_rays * frames);
         // The last frame of a round has what is left, which may be nothing.
         let first_ray = first_ray.min(rays.saturating_sub(traced_rays));
         self.frame = (self.frame + 1) % frames;
-        let sky = sky.clamp(Vec3::ZERO, Vec3::splat(HALF_MAX));
-        let uniform =
-            GatherUniform { sky, rays, first_ray, traced_rays, capacity: self.capacity, light_points };
+        let uniform = GatherUniform {
+            rays,
+            first_ray,
+            traced_rays,
+            capacity: self.capacity,
+            light_points,
+            sky_apart: u32::from(sky_apart),
+            reserved_0: 0,
+            reserved_1: 0,
+        };
         self.uniform.write(gpu, &uniform);
+    }
+
+    /// Changes the sky: radiance from each unit direction, W/(m2 sr), of which 256 means are kept. From the next submission on.
+    pub fn set_sky(&self, gpu: &Gpu, radiance: impl Fn(Vec3) -> Vec3) {
+        sky_light::SkyLight::write(gpu, &self.store.sky, radiance);
     }
 
     /// Forgets what all rays met. Not for use inside a frame.
@@ -315,14 +336,15 @@ impl GatheredLight {
         passes.direct.record(gpu, encoder, view.into(), (volume, uniform), store)
     }
 
-    /// Traces this frame's rays.
+    /// Traces this frame's rays, and finds what the sky sends along them.
     pub fn record_trace(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
-        self.passes.trace.record(gpu, encoder, (volume, &self.uniform), &mut self.store)
+        self.passes.trace.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
+        self.passes.sky_light.record(gpu, encoder, &self.uniform, &mut self.store)
     }
 
     /// Takes up the light of this frame's views and of the volume's emission, and adds `count` bounces to what the frames before
@@ -356,7 +378,7 @@ impl GatheredLight {
         // Sub-cells that are not thin would hide surfels from the pixels of their own surface.
         let exact = self.subcells == Subcells::Given;
         let pass = if exact { &self.passes.looking } else { &self.passes.trusting };
-        pass.record(gpu, encoder, volume, &self.store, view, target)
+        pass.record(gpu, encoder, (volume, &self.uniform), &self.store, view, target)
     }
 
     /// Fills the `slice`-th of `slices` parts of an irradiance volume over this volume's grid, with `rays` rays for each point, 1 to
@@ -371,7 +393,7 @@ impl GatheredLight {
         (rays, slice, slices): (u32, u32, u32),
     ) -> Result<(), GpuError> {
         let part = (rays.clamp(1, 1024), slice, slices);
-        self.passes.lattice.record(gpu, encoder, (volume, &self.uniform), &self.store, target, part)
+        self.passes.lattice.record(gpu, encoder, volume, &self.store, target, part)
     }
 
     /// How many surfels there are. Waits; not for use inside a frame.
@@ -402,8 +424,11 @@ impl GatheredLight {
     /// where there are two. Waits; not for use inside a frame.
     pub fn read_irradiance(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
         let shine: Vec<[half::f16; 8]> = read_buffer(gpu, &self.store.shine)?;
+        let sky: Vec<[half::f16; 4]> = read_buffer(gpu, &self.store.sky_light)?;
+        let share = if self.settings.sky_apart { 0.0 } else { std::f32::consts::PI };
         self.read_sides(gpu, |place| {
-            shine.get(place).map(|s| Vec3::from_array(std::array::from_fn(|i| s[4 + i].to_f32())))
+            let (shine, sky) = (shine.get(place)?, sky.get(place)?);
+            Some(Vec3::from_array(std::array::from_fn(|i| shine[4 + i].to_f32() + share * sky[i].to_f32())))
         })
     }
 
@@ -439,6 +464,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         view_subcells::INJECTION,
         dispatch::SHADER,
         trace::SHADER,
+        sky_light::SHADER,
         lattice::SHADER,
         bounce::SHADER,
         reconstruction::SHADER,

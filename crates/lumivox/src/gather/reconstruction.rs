@@ -2,13 +2,13 @@
 //! way. Those to which the way is blocked do not count: the lit floor behind a thin wall is near, too. That asks
 //! for sub-cells from triangles; those from views are too thick for it.
 
-use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
+use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, Uniform};
 use crate::light::IRRADIANCE_FORMAT;
 use crate::progressive::ViewInput;
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, FULLSCREEN, GRID, OCTAHEDRON, PACK, VIEW};
 
-use super::{MARCH, SURFEL, Store};
+use super::{GatherUniform, MARCH, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/reconstruction",
@@ -39,7 +39,7 @@ impl Reconstruction {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        volume: &VolumeBuffer,
+        (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
         store: &Store,
         view: &ViewInput,
         target: &mut Texture,
@@ -53,7 +53,9 @@ impl Reconstruction {
             .read("surfels", &store.surfels)
             .read("shine", &store.shine)
             .read("mask", &store.mask)
-            .read("blocks", &store.blocks);
+            .read("blocks", &store.blocks)
+            .read("sky_light", &store.sky_light)
+            .read("settings", settings);
         self.0.record(gpu, encoder, &bindings, target, false)
     }
 }

@@ -1,10 +1,10 @@
-// What a ray sees. The shader that uses this binds `shine` and `settings`, and what is needed to know what a ray met.
+// What a ray sees. The shader that uses this binds `shine` and `sky`, and what is needed to know what a ray met.
 
 // Radiance that arrives at a point in sub-cells from a direction.
 fn radiance_along(origin: vec3f, direction: vec3f) -> vec3f {
     let met = march(origin, direction, 1e9);
     if met.ended != MET_SUBCELL {
-        return settings.sky;
+        return sky[sky_square(direction)].rgb;
     }
     let place = surfel_met(met, -direction);
     if place == DARK_HIT {

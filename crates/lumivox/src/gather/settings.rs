@@ -17,8 +17,12 @@ pub struct GatherSettings {
     /// to 10,000 cells: at 64 cells a side a room needs one to five cells, a palace of arches nine to ten. Those that find no
     /// room are dark, and counted.
     pub surfels: Option<u32>,
-    /// Radiance of the sky, that rays meet which leave the grid, W/(m2 sr).
+    /// Radiance of the sky, that rays meet which leave the grid, W/(m2 sr);
+    /// [`GatheredLight::set_sky`](super::GatheredLight::set_sky) takes one that is not the same everywhere.
     pub sky: Vec3,
+    /// Whether the host lights its pixels from the sky by itself. Then irradiance at pixels leaves out what comes straight from it, and
+    /// holds what surfaces reflect of it.
+    pub sky_apart: bool,
 }
 
 impl GatherSettings {
@@ -30,14 +34,14 @@ impl GatherSettings {
             Quality::High => (256, 1, 16),
             Quality::Reference => (512, 1, 64),
         };
-        Self { rays, frames, light_points, surfels: None, sky: Vec3::ZERO }
+        Self { rays, frames, light_points, surfels: None, sky: Vec3::ZERO, sky_apart: false }
     }
 }
 
 impl Default for GatherSettings {
     /// Between [`Quality::Medium`] and [`Quality::High`]: all rays in every frame, and 128 of them.
     fn default() -> Self {
-        Self { rays: 128, frames: 1, light_points: 16, surfels: None, sky: Vec3::ZERO }
+        Self { rays: 128, frames: 1, light_points: 16, surfels: None, sky: Vec3::ZERO, sky_apart: false }
     }
 }
 
@@ -65,8 +69,6 @@ pub enum Quality {
 crate::gpu_struct! {
     /// [`GatherSettings`] of one frame as shaders see it.
     pub struct GatherUniform {
-        /// Radiance of the sky.
-        pub sky: Vec3,
         /// Rays of a surfel.
         pub rays: u32,
         /// The first of those traced this frame.
@@ -77,5 +79,11 @@ crate::gpu_struct! {
         pub capacity: u32,
         /// Points of a surfel at which a view is asked.
         pub light_points: u32,
+        /// Whether irradiance at pixels leaves out the sky.
+        pub sky_apart: u32,
+        /// Unused.
+        pub reserved_0: u32,
+        /// Unused.
+        pub reserved_1: u32,
     }
 }

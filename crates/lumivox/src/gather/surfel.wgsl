@@ -6,16 +6,18 @@ const SUBCELLS: i32 = 4;
 const BLOCK_CELLS: i32 = 4;
 // Places of a cell in the table of surfels: two for each face.
 const SIDES: u32 = 12u;
-// No surfel: in the table of cells; a ray that left the grid; a ray that met a side without a surfel.
+// No surfel in the table of cells.
 const NO_SURFEL: u32 = 0xffffffffu;
-const SKY_HIT: u32 = 0xffffffffu;
+// A ray that met a surfel is that surfel's place. One that left the grid: this and the number of a square of the sky, which is
+// an octahedron unfolded.
+const FIRST_SKY_HIT: u32 = 0xfffffe00u;
+// A ray that met a side without a surfel.
 const DARK_HIT: u32 = 0xfffffffeu;
 // A ray that has not been traced yet.
 const UNTRACED: u32 = 0xfffffffdu;
+const SKY_SIDE: f32 = 16.0;
 
 struct GatherUniform {
-    // Radiance of the sky.
-    sky: vec3f,
     // Rays of a surfel.
     rays: u32,
     // The first of those that are traced this frame, and their number.
@@ -25,6 +27,21 @@ struct GatherUniform {
     capacity: u32,
     // Points of a surfel at which a view is asked for light.
     light_points: u32,
+    // Whether irradiance at pixels leaves out what comes straight from the sky.
+    sky_apart: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+}
+
+// The square of the sky that a direction lies in.
+fn sky_square(direction: vec3f) -> u32 {
+    let at = (0.5 + 0.5 * octahedron_from_direction(direction)) * SKY_SIDE;
+    let square = vec2u(clamp(at, vec2f(0.0), vec2f(SKY_SIDE - 1.0)));
+    return square.x + u32(SKY_SIDE) * square.y;
+}
+
+fn is_sky_hit(hit: u32) -> bool {
+    return hit >= FIRST_SKY_HIT && hit < FIRST_SKY_HIT + u32(SKY_SIDE * SKY_SIDE);
 }
 
 struct Surfel {

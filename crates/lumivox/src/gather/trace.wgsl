@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     let off = 0.5 * saturate(20.0 * (1.0 - dot(surfel.normal, outward)));
     let origin = corner + 0.5 + 0.5 * outward + off * surfel.normal;
     let met = march(origin, direction, 1e9);
-    var hit = SKY_HIT;
+    var hit = FIRST_SKY_HIT + sky_square(direction);
     if met.ended == MET_SUBCELL {
         hit = surfel_met(met, -direction);
     }

@@ -24,6 +24,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("gather: light is linear, and the same every time", linear),
     ("gather: walls of a quarter of a cell hold light back, corners too", walls),
     ("gather: the sky reaches what can see it", sky),
+    ("gather: a sky that is not the same everywhere comes from where it is", sky_sides),
+    ("gather: what comes straight from the sky can be left out", sky_apart),
     ("gather: a lamp that is switched off leaves nothing behind", switched_off),
 ];
 
@@ -348,6 +350,55 @@ fn sky(labs: &Labs) -> Result<(), Failed> {
         / 4.0;
     eprintln!("sky: {:.4} of it is left, {:.4} expected", mean / PI, 1.0 - seen);
     assert!((mean / PI - (1.0 - seen)).abs() < 0.02, "{mean}");
+    Ok(())
+}
+
+/// Radiance 1 plus a direction's coordinates: on an open side it gives pi plus two thirds of pi times the side's normal.
+fn sky_sides(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let mut cells = Cells::new(8);
+    let middle = UVec3::splat(4);
+    cells.surface(middle, Vec3::ZERO, 0.0);
+    let mut room = Room::new(gpu, &cells, GatherSettings { rays: 512, ..GatherSettings::default() })?;
+    room.light.set_sky(gpu, |direction| Vec3::ONE + direction);
+    room.frame(gpu, 1)?;
+    let found = room.light.read_irradiance(gpu)?[cells.grid.index(middle)];
+    for (face, e) in found.into_iter().enumerate() {
+        let expected = PI * (Vec3::ONE + 2.0 / 3.0 * side_normal(face));
+        let e = e.ok_or("a side is missing")?;
+        assert!((e - expected).abs().max_element() < 0.02 * PI, "face {face}: {e} for {expected}");
+    }
+    Ok(())
+}
+
+/// A white floor and a wall under an even sky.
+fn sky_apart(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let mut cells = Cells::new(16);
+    for (x, z) in (2..14).flat_map(|x| (2..14).map(move |z| (x, z))) {
+        cells.surface(UVec3::new(x, 2, z), Vec3::Y, 0.5);
+        cells.surface(UVec3::new(2, x, z), Vec3::X, 0.5);
+    }
+    let irradiance = |sky_apart| -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
+        let settings = GatherSettings { sky: Vec3::ONE, sky_apart, rays: 256, ..GatherSettings::default() };
+        let mut room = Room::new(gpu, &cells, settings)?;
+        // The light must not depend on how often it is taken up.
+        room.frame(gpu, 2)?;
+        room.frame(gpu, 8)?;
+        room.light.read_irradiance(gpu)
+    };
+    let (all, apart) = (irradiance(false)?, irradiance(true)?);
+    let at =
+        |e: &[[Option<Vec3>; 6]], x: u32| e[cells.grid.index(UVec3::new(x, 2, 8))][2].map_or(0.0, |e| e.x);
+    for x in [4, 7, 11] {
+        let (whole, reflected) = (at(&all, x), at(&apart, x));
+        // The wall hides a part of the sky and reflects some of what it gets, of half a sky and of the floor.
+        assert!(whole > 0.5 * PI && whole < PI, "{x}: {whole}");
+        assert!(reflected > 0.01 && reflected < 0.3 * PI, "{x}: {reflected}");
+        let hidden = PI - (whole - reflected);
+        let ratio = reflected / hidden;
+        assert!((0.2..0.45).contains(&ratio), "{x}: the wall's radiance is {ratio}");
+    }
     Ok(())
 }
 

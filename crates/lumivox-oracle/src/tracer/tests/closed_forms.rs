@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::{floor, glowing, gray, scene};
 use crate::closed_form;
-use crate::scene::{Camera, Light, Material, Scene, Texture, Triangle, Wrap};
+use crate::scene::{Camera, Environment, Light, Material, Scene, Texture, Triangle, Wrap};
 use crate::shapes;
 use crate::tracer::{Irradiance, Settings, Tracer};
 
@@ -107,6 +107,26 @@ fn rectangle_and_emissive_quad_light_a_point_below_their_corner() {
     let sky = Light::Constant { radiance: Vec3::ONE };
     let behind = e(scene([], vec![back, sky]));
     assert_near(behind.direct.x, behind.errors[0].x, std::f64::consts::PI * (1.0 - factor), 0.01);
+}
+
+/// Radiance 1 plus a direction's coordinate gives pi plus two thirds of pi times the normal's.
+#[test]
+fn an_environment_is_the_right_way_round() {
+    let (width, height) = (64u32, 32u32);
+    let direction = |n: u32| {
+        let (x, y) = ((n % width) as f32 + 0.5, (n / width) as f32 + 0.5);
+        let (sin, cos) = (std::f32::consts::TAU * (x / width as f32 - 0.5)).sin_cos();
+        let (sin_down, cos_down) = (std::f32::consts::PI * y / height as f32).sin_cos();
+        Vec3::new(sin * sin_down, cos_down, -cos * sin_down)
+    };
+    let pixels = (0..width * height).map(|n| Vec3::ONE + direction(n)).collect();
+    let mut scene = scene([], vec![]);
+    scene.environment = Some(Environment { width, height, pixels });
+    for n in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+        let e = Tracer::new(&scene).unwrap().irradiance(Vec3::ZERO, n, None, 20_000, 5);
+        let expected = std::f32::consts::PI * (Vec3::ONE + 2.0 / 3.0 * n);
+        assert!((e.direct - expected).abs().max_element() < 0.02, "{n}: {} for {expected}", e.direct);
+    }
 }
 
 #[test]

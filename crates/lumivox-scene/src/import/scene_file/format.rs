@@ -16,6 +16,27 @@ pub(super) struct File {
     pub(super) lights: Vec<LightEntry>,
     #[serde(default)]
     pub(super) meshes: Vec<MeshEntry>,
+    pub(super) sky: Option<SkyEntry>,
+}
+
+/// Exactly one of `gradient` and `image`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SkyEntry {
+    pub(super) gradient: Option<GradientEntry>,
+    pub(super) image: Option<String>,
+    /// Factor of the image's values.
+    pub(super) scale: Option<f32>,
+    /// Turns the image about the vertical axis.
+    pub(super) rot_y_deg: Option<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GradientEntry {
+    pub(super) zenith: [f32; 3],
+    pub(super) horizon: [f32; 3],
+    pub(super) ground: [f32; 3],
 }
 
 fn y_up() -> [f32; 3] {

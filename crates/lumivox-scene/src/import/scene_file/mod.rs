@@ -7,6 +7,7 @@ mod light;
 mod motion;
 mod place;
 mod shape;
+mod sky;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -47,6 +48,11 @@ pub(super) fn import(source: &Source, bytes: &[u8], limits: &Limits) -> Result<S
             let moved = loader.motions.path(path, &mut loader.scene);
             moved.map_err(|why| source.malformed(format!("has a camera with a path {why}")))?;
         }
+    }
+    if let Some(entry) = &file.sky {
+        let map =
+            sky::sky(entry, source, limits).map_err(|why| source.malformed(format!("has a sky {why}")))?;
+        loader.scene.sky_map = Some(map);
     }
     for (i, entry) in file.lights.iter().enumerate() {
         loader.light(entry).map_err(|why| source.malformed(format!("has lights[{i}] {why}")))?;

@@ -47,6 +47,8 @@ fn code_and_schema_know_the_same_keys() {
         ("mesh_key", keys_of::<MeshKey>()),
         ("spin", keys_of::<SpinEntry>()),
         ("orbit", keys_of::<OrbitEntry>()),
+        ("sky", keys_of::<SkyEntry>()),
+        ("gradient", keys_of::<GradientEntry>()),
     ];
     let kinds = expected::<LightEntry>(json!({"type": "?"}));
     parts.extend(kinds.iter().map(|kind| (kind.as_str(), keys_of_light(kind))));
@@ -91,6 +93,7 @@ fn everything() -> Value {
             {"type": "rect", "origin": [0, 0, 0], "u": [1, 0, 0], "v": [0, 0, 1], "radiance": [5, 5, 5],
                 "motion": {"spin": {"seconds_per_turn": 2}, "interpolation": "step"}},
             {"type": "constant", "radiance": [1, 1, 1]}],
+        "sky": {"gradient": {"zenith": [0.2, 0.4, 1], "horizon": [1, 1, 1], "ground": [0, 0, 0]}},
         "meshes": [
             {"quad": [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]], "albedo": [0.7, 0.1, 0.1], "smooth": true,
                 "matrix": [[1, 0, 0, 2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]},
