@@ -50,10 +50,10 @@ impl Default for GatherSettings {
 ///
 /// | preset | rays of a surfel | traced per frame | points asked for light | bytes of a surfel |
 /// | --- | ---: | ---: | ---: | ---: |
-/// | low | 32 | 8 | 4 | 196 |
-/// | medium | 64 | 32 | 16 | 324 |
-/// | high | 256 | 256 | 16 | 1092 |
-/// | reference | 512 | 512 | 64 | 2116 |
+/// | low | 32 | 8 | 4 | 204 |
+/// | medium | 64 | 32 | 16 | 332 |
+/// | high | 256 | 256 | 16 | 1100 |
+/// | reference | 512 | 512 | 64 | 2124 |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
     /// For weak devices: grain of a tenth, and what moves is seen by all rays after four frames.

@@ -16,7 +16,8 @@ use crate::args::Size;
 use stage::Stage;
 
 /// The methods and their names.
-const METHODS: [(&str, GiMethod); 2] = [("propagation", GiMethod::Propagation), ("gather", GiMethod::Gather)];
+const METHODS: [(&str, GiMethod); 3] =
+    [("lpv", GiMethod::Lpv), ("propagation", GiMethod::Propagation), ("gather", GiMethod::Gather)];
 
 /// Propagation steps that a still makes at a time, until its light has settled.
 const STEPS: u32 = 64;
