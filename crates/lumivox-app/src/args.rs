@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use lumivox::gather::Quality;
 use lumivox::lpv::Blocking;
+use lumivox_render::voxel_view::{Slice, VoxelChannel};
 use lumivox_render::{GiMethod, Layer, VoxelSource};
 use lumivox_scene::Camera;
 
@@ -147,6 +148,12 @@ pub(crate) struct RenderArgs {
     /// What the picture shows.
     #[arg(long, value_enum, default_value = "final")]
     pub(crate) layer: LayerArg,
+    /// What --layer voxels shows of cells.
+    #[arg(long, value_enum, default_value = "lit")]
+    pub(crate) voxels: VoxelsArg,
+    /// x:METRES, y:METRES or z:METRES: the one layer of cells that --layer voxels shows.
+    #[arg(long, allow_hyphen_values = true, value_name = "AXIS:METRES")]
+    pub(crate) slice: Option<SliceArg>,
     /// Write what was done as one JSON object.
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
@@ -258,7 +265,12 @@ pub(crate) enum LayerArg {
     Albedo,
     Normal,
     Depth,
+    /// Cells; --voxels and --slice say what of them.
     Voxels,
+    /// Gathered light in free space, as balls that show what arrives from each side.
+    Lobes,
+    /// Where gathered light would leak if pixels did not look: blue for nowhere, red for all of it.
+    Leaks,
 }
 
 impl From<LayerArg> for Layer {
@@ -271,7 +283,47 @@ impl From<LayerArg> for Layer {
             LayerArg::Normal => Self::Normal,
             LayerArg::Depth => Self::Depth,
             LayerArg::Voxels => Self::Voxels,
+            LayerArg::Lobes => Self::Lobes,
+            LayerArg::Leaks => Self::Leaks,
         }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum VoxelsArg {
+    /// Albedo under a headlight, the light that leaves them, and emission.
+    Lit,
+    Albedo,
+    Normal,
+    Emission,
+    /// The direct light that leaves them.
+    Light,
+}
+
+impl From<VoxelsArg> for VoxelChannel {
+    fn from(arg: VoxelsArg) -> Self {
+        match arg {
+            VoxelsArg::Lit => Self::Lit,
+            VoxelsArg::Albedo => Self::Albedo,
+            VoxelsArg::Normal => Self::Normal,
+            VoxelsArg::Emission => Self::Emission,
+            VoxelsArg::Light => Self::Light,
+        }
+    }
+}
+
+/// A layer of cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SliceArg(pub(crate) Slice);
+
+impl FromStr for SliceArg {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (axis, at) = text.split_once(':').context("a slice is x:METRES, y:METRES or z:METRES")?;
+        let axis = ["x", "y", "z"].iter().position(|name| *name == axis);
+        let axis = axis.with_context(|| format!("{text:?}: the axis of a slice is x, y or z"))?;
+        Ok(Self(Slice { axis, at: number(at)? }))
     }
 }
 
@@ -431,6 +483,10 @@ mod tests {
         }
         for bad in ["1,2,3", "0,0,0:1", "0,-1,0:-1", "0,-1,0:x"] {
             assert!(bad.parse::<SunArg>().is_err(), "{bad}");
+        }
+        assert_eq!("z:-1.5".parse::<SliceArg>().unwrap(), SliceArg(Slice { axis: 2, at: -1.5 }));
+        for bad in ["", "1", "w:1", "y:", "y:nan"] {
+            assert!(bad.parse::<SliceArg>().is_err(), "{bad}");
         }
         for bad in ["", "0x5", "5", "5x", "99999x5", "-1x5"] {
             assert!(bad.parse::<Size>().is_err(), "{bad}");

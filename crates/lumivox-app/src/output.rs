@@ -23,10 +23,10 @@ impl Picture {
     pub(crate) fn srgb(&self, layer: Layer, exposure_ev: f32) -> RgbImage {
         let farthest = self.pixels.iter().map(|p| p.x).fold(1e-6, f32::max);
         let bytes = self.pixels.iter().flat_map(|p| match layer {
-            Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels => {
+            Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels | Layer::Lobes => {
                 tone::tone_mapped(*p, exposure_ev)
             }
-            Layer::Albedo | Layer::Normal => tone::srgb_bytes(*p),
+            Layer::Albedo | Layer::Normal | Layer::Leaks => tone::srgb_bytes(*p),
             Layer::Depth => [(255.0 * (1.0 - p.x / farthest).clamp(0.0, 1.0)) as u8; 3],
         });
         let mut image = RgbImage::new(self.width, self.height);

@@ -62,6 +62,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let settings = Settings {
         clip: motion.clip().filter(|_| args.frames.is_some()),
+        voxel_channel: args.voxels.into(),
+        voxel_slice: args.slice.map(|slice| slice.0),
         ..settings(&args.shot, &scene, args.size, args.layer.into(), args.frames.is_none())
     };
     let mut renderer = Renderer::new(&gpu, &scene, settings).with_context(|| args.shot.scene.clone())?;

@@ -30,8 +30,13 @@ pub enum Layer {
     Normal,
     /// Distance along the view direction in metres, at most 65504.
     Depth,
-    /// The cells of the volume, lit.
+    /// The cells of the volume, or what [`Settings::voxel_channel`](crate::Settings) says of them.
     Voxels,
+    /// The light in free space: a ball at each point of an irradiance volume, which shows what arrives from each side.
+    Lobes,
+    /// Where light would leak: the share of a pixel's gathered light that would come from surfaces it cannot see, if it did not
+    /// look.
+    Leaks,
 }
 
 lumivox::gpu_struct! {
@@ -68,12 +73,13 @@ impl CompositePass {
     /// Chooses the layer, from the next submission on.
     pub fn update(&self, gpu: &Gpu, layer: Layer) {
         let number = match layer {
-            Layer::Final | Layer::Voxels => 0,
+            Layer::Final | Layer::Voxels | Layer::Lobes => 0,
             Layer::Direct => 1,
             Layer::Indirect => 2,
             Layer::Albedo => 3,
             Layer::Normal => 4,
             Layer::Depth => 5,
+            Layer::Leaks => 6,
         };
         self.uniform.write(gpu, &CompositeUniform { sky: self.sky, layer: number });
     }

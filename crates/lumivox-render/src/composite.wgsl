@@ -17,6 +17,12 @@ struct CompositeUniform {
 
 const PI: f32 = 3.1415927;
 
+// Blue for none, through green and yellow to red for all.
+fn heat(share: f32) -> vec3f {
+    let s = saturate(share);
+    return saturate(vec3f(2.0 * s - 0.5, 1.0 - abs(2.0 * s - 1.0), 0.6 - 2.0 * s)) + 0.02;
+}
+
 fn sky_texel(x: i32, y: i32) -> vec3f {
     let size = vec2i(textureDimensions(sky_map));
     return textureLoad(sky_map, vec2i((x + size.x) % size.x, clamp(y, 0, size.y - 1)), 0).rgb;
@@ -56,6 +62,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 3u: { shown = reflectance; }
         case 4u: { shown = 0.5 + 0.5 * normalize(textureLoad(normal, texel, 0).xyz); }
         case 5u: { shown = vec3f(eye_distance(view, world_from_texel(view, texel, pixel_depth))); }
+        case 6u: { shown = heat(textureLoad(irradiance, texel, 0).r); }
         default: { shown = direct + indirect + textureLoad(emission, texel, 0).rgb; }
     }
     return vec4f(min(shown, vec3f(HALF_MAX)), 1.0);

@@ -15,6 +15,7 @@
 //! | [`triangles`] | a volume from a scene's triangles, on the CPU |
 //! | [`composite`] | direct + indirect + emission, or one layer alone |
 //! | [`voxel_view`] | draws a volume's cells |
+//! | [`lobes`] | draws the light in free space |
 //! | [`tone`] | the tone curve of PNG output |
 //! | [`renderer`] | the frame |
 //!
@@ -25,6 +26,7 @@ pub mod composite;
 pub mod direct;
 pub mod gpu_scene;
 pub mod lights;
+pub mod lobes;
 pub mod material_textures;
 pub mod renderer;
 pub mod shadow;
@@ -47,6 +49,7 @@ pub fn shaders() -> Vec<lumivox::gpu::Shader> {
         direct::SHADER,
         composite::SHADER,
         voxel_view::SHADER,
+        lobes::SHADER,
     ]
 }
 

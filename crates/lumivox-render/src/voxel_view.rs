@@ -1,7 +1,10 @@
 //! Draws the occupied cells of a volume as cubes, by walking each pixel's ray from cell to cell.
 //!
-//! A cell shows its albedo under a soft headlight, or the light that leaves it.
+//! A cell shows its albedo under a soft headlight and the light that leaves it, or one channel alone; of the volume all shows, or one
+//! layer of cells.
 
+use glam::Vec3;
+use lumivox::core::Grid;
 use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, Uniform};
 use lumivox::progressive::DirectLight;
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
@@ -22,11 +25,44 @@ lumivox::gpu_struct! {
         pub headlight: f32,
         /// Share of the direct light that leaves a cell.
         pub light: f32,
-        /// Cells above this height (world y) are left out, to look under roofs.
-        pub cut_height: f32,
+        /// A [`VoxelChannel`] by number.
+        pub channel: u32,
         /// Unused.
-        pub reserved: f32,
+        pub reserved_0: u32,
+        /// Cells whose middles lie below this in any coordinate are left out.
+        pub low: Vec3,
+        /// Unused.
+        pub reserved_1: u32,
+        /// Those that lie above this are, too.
+        pub high: Vec3,
+        /// Unused.
+        pub reserved_2: u32,
     }
+}
+
+/// What of a cell is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum VoxelChannel {
+    /// Its albedo under a soft headlight, the light that leaves it, and its emission.
+    #[default]
+    Lit,
+    /// Its albedo.
+    Albedo,
+    /// Its mean normal, -1..1 shown as 0..1.
+    Normal,
+    /// What it emits.
+    Emission,
+    /// The direct light that leaves its visible face.
+    Light,
+}
+
+/// A layer of cells: across which axis, and where on it in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// 0 for x, 1 for y, 2 for z.
+    pub axis: usize,
+    /// A point of the layer on that axis, metres.
+    pub at: f32,
 }
 
 /// The pass.
@@ -39,13 +75,27 @@ pub struct VoxelView {
 impl VoxelView {
     /// Compiles it.
     pub fn new(gpu: &Gpu) -> Self {
-        let uniform = Uniform::new(gpu, "render/voxel view", &shown(f32::MAX));
+        let uniform = Uniform::new(gpu, "render/voxel view", &shown(VoxelChannel::Lit, EVERYTHING));
         Self { pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, false), uniform }
     }
 
     /// Leaves out the cells above a height, from the next submission on.
     pub fn cut(&self, gpu: &Gpu, height: f32) {
-        self.uniform.write(gpu, &shown(height));
+        let high = EVERYTHING.1.with_y(height);
+        self.uniform.write(gpu, &shown(VoxelChannel::Lit, (EVERYTHING.0, high)));
+    }
+
+    /// Shows a channel, of all cells or of a layer, from the next submission on. A layer outside of the grid is the nearest one
+    /// in it.
+    pub fn show(&self, gpu: &Gpu, grid: &Grid, channel: VoxelChannel, slice: Option<Slice>) {
+        let (mut low, mut high) = EVERYTHING;
+        if let Some(Slice { axis, at }) = slice {
+            let place = ((at - grid.origin[axis]) / grid.cell_size).floor();
+            let cell = place.clamp(0.0, grid.dims[axis] as f32 - 1.0);
+            low[axis] = grid.origin[axis] + cell * grid.cell_size;
+            high[axis] = low[axis] + grid.cell_size;
+        }
+        self.uniform.write(gpu, &shown(channel, (low, high)));
     }
 
     /// Draws the cells as the camera would see them.
@@ -70,6 +120,25 @@ impl VoxelView {
     }
 }
 
-fn shown(cut_height: f32) -> VoxelViewUniform {
-    VoxelViewUniform { headlight: 0.6, light: 0.8, cut_height, reserved: 0.0 }
+/// Bounds that leave nothing out.
+const EVERYTHING: (Vec3, Vec3) = (Vec3::MIN, Vec3::MAX);
+
+fn shown(channel: VoxelChannel, (low, high): (Vec3, Vec3)) -> VoxelViewUniform {
+    let channel = match channel {
+        VoxelChannel::Lit => 0,
+        VoxelChannel::Albedo => 1,
+        VoxelChannel::Normal => 2,
+        VoxelChannel::Emission => 3,
+        VoxelChannel::Light => 4,
+    };
+    VoxelViewUniform {
+        headlight: 0.6,
+        light: 0.8,
+        channel,
+        reserved_0: 0,
+        low,
+        reserved_1: 0,
+        high,
+        reserved_2: 0,
+    }
 }

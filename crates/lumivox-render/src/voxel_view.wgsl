@@ -3,8 +3,12 @@
 struct VoxelViewUniform {
     headlight: f32,
     light: f32,
-    cut_height: f32,
-    reserved: f32,
+    channel: u32,
+    reserved_0: u32,
+    low: vec3f,
+    reserved_1: u32,
+    high: vec3f,
+    reserved_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
@@ -37,6 +41,13 @@ fn shade(index: u32, face: vec3f, direction: vec3f, shade_edge: f32) -> vec3f {
         dot(unpack_half4(light[3u * index + 1u]), lobe),
         dot(unpack_half4(light[3u * index + 2u]), lobe),
     );
+    switch voxel_view.channel {
+        case 1u: { return shade_edge * color; }
+        case 2u: { return shade_edge * (0.5 + 0.5 * unpack_half4(normal[index]).xyz); }
+        case 3u: { return shade_edge * unpack_half4(emission[index]).rgb; }
+        case 4u: { return shade_edge * max(leaving, vec3f(0.0)); }
+        default: {}
+    }
     // A different brightness for each axis, so that cubes read as cubes.
     let axis_shade = dot(abs(face), vec3f(0.8, 1.0, 0.62)) * (0.6 + 0.4 * abs(dot(face, direction)));
     let headlight = voxel_view.headlight * axis_shade * color;
@@ -70,7 +81,8 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         }
         let index = cell_index(grid, vec3u(cell));
         // The cell that the eye is in would hide everything.
-        let shown = cell_center(grid, vec3u(cell)).y < voxel_view.cut_height;
+        let middle = cell_center(grid, vec3u(cell));
+        let shown = all(middle >= voxel_view.low) && all(middle <= voxel_view.high);
         if shown && unpack_half4(normal[index]).w > 0.0 && distance > 0.5 {
             let p = fract(ray.origin + distance * ray.direction);
             let across = select(min(p, 1.0 - p), vec3f(1.0), abs(face) > vec3f(0.5));

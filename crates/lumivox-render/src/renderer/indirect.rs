@@ -4,6 +4,7 @@ use glam::Vec3;
 use lumivox::VolumeBuffer;
 use lumivox::gather::{GatherSettings, GatheredLight};
 use lumivox::gpu::{Gpu, GpuError, Texture};
+use lumivox::irradiance::IrradianceVolume;
 use lumivox::light::{IndirectLight, LightSettings};
 use lumivox::lpv::LightPropagationVolume;
 use lumivox::progressive::{DirectLight, ViewInput};
@@ -12,6 +13,9 @@ use lumivox::wgpu::CommandEncoder;
 use super::injected_lights::InjectedLight;
 use super::{GiMethod, Settings};
 use crate::lights::Sky;
+
+/// Rays of a point whose light is shown.
+const LOBE_RAYS: u32 = 128;
 
 /// Light of the volume.
 #[derive(Debug)]
@@ -205,6 +209,31 @@ impl Indirect {
             Self::Propagated(light) => light.record_propagation(gpu, encoder, volume, steps),
             Self::Gathered(light) => light.record_bounces(gpu, encoder, volume, steps),
         }
+    }
+
+    /// Gathered light in free space; the other ways have none there.
+    pub(super) fn record_irradiance_volume(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        target: &mut IrradianceVolume,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        light.record_irradiance_volume(gpu, encoder, volume, target, (LOBE_RAYS, 0, 1))
+    }
+
+    /// Where gathered light would leak; black for the other ways, which do not look.
+    pub(super) fn record_leaks(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        light.record_leaks(gpu, encoder, volume, view, target)
     }
 
     /// Irradiance at the pixels of a view.

@@ -19,6 +19,7 @@ use crate::composite::{CompositePass, Layer};
 use crate::direct::DirectPass;
 use crate::gpu_scene::GpuScene;
 use crate::lights::{self, LightSample, Sky};
+use crate::lobes::Lobes;
 use crate::shadow::ShadowPass;
 use crate::subcells::voxelize_scenes;
 use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
@@ -73,6 +74,8 @@ pub struct Renderer {
     direct_pass: DirectPass,
     composite_pass: CompositePass,
     voxel_view: VoxelView,
+    /// Made when they are first shown.
+    lobes: Option<Lobes>,
     volume: VolumeBuffer,
     voxelizer: ViewVoxelizer,
     direct_light: DirectLight,
@@ -124,6 +127,7 @@ impl Renderer {
             direct_pass: DirectPass::new(gpu),
             composite_pass,
             voxel_view: VoxelView::new(gpu),
+            lobes: None,
             volume,
             voxelizer,
             direct_light,
@@ -138,6 +142,7 @@ impl Renderer {
             )?,
             picture: Texture::target(gpu, "render/picture", settings.size.to_array(), HDR_FORMAT)?,
         };
+        renderer.voxel_view.show(gpu, renderer.volume.grid(), settings.voxel_channel, settings.voxel_slice);
         renderer.voxelize_triangles(scene)?;
         gpu.wait()?;
         Ok(renderer)
@@ -310,11 +315,25 @@ impl Renderer {
     fn compose(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
         let Self { gpu, settings, camera, volume, indirect, irradiance, picture, .. } = self;
         let mut timer = StageTimer::new(gpu, clock);
-        timer.stage(gpu, "light/reconstruction", |e| {
-            indirect.record_reconstruction(gpu, e, volume, &camera.input, irradiance)
+        timer.stage(gpu, "light/reconstruction", |e| match settings.layer {
+            Layer::Leaks => indirect.record_leaks(gpu, e, volume, &camera.input, irradiance),
+            _ => indirect.record_reconstruction(gpu, e, volume, &camera.input, irradiance),
         })?;
+        if settings.layer == Layer::Lobes {
+            let lobes = match &mut self.lobes {
+                Some(lobes) => lobes,
+                none => none.insert(Lobes::new(gpu, volume.grid())?),
+            };
+            timer.stage(gpu, "debug/lobes", |e| {
+                indirect.record_irradiance_volume(gpu, e, volume, lobes.lattice_mut())
+            })?;
+        }
         timer.stage(gpu, "composite", |e| match settings.layer {
             Layer::Voxels => self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture),
+            Layer::Lobes => match &self.lobes {
+                Some(lobes) => lobes.record(gpu, e, camera, picture),
+                None => Ok(()),
+            },
             _ => self.composite_pass.record(gpu, e, camera, irradiance, picture),
         })?;
         Ok(FrameStats { stages: timer.finish(gpu)? })
@@ -331,7 +350,8 @@ impl Renderer {
             self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture)
         })?;
         timer.finish(gpu)?;
-        self.voxel_view.cut(gpu, f32::MAX);
+        let Settings { voxel_channel, voxel_slice, .. } = self.settings;
+        self.voxel_view.show(gpu, self.volume.grid(), voxel_channel, voxel_slice);
         Ok(())
     }
 

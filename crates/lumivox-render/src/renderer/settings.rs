@@ -6,6 +6,7 @@ use lumivox::light::LightSettings;
 use lumivox::lpv::Blocking;
 
 use crate::composite::Layer;
+use crate::voxel_view::{Slice, VoxelChannel};
 
 /// Where the volume comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +77,10 @@ pub struct Settings {
     pub filtered_textures: bool,
     /// What the picture shows.
     pub layer: Layer,
+    /// What [`Layer::Voxels`] shows of cells.
+    pub voxel_channel: VoxelChannel,
+    /// The layer of cells that it shows, or all.
+    pub voxel_slice: Option<Slice>,
 }
 
 impl Settings {
@@ -121,6 +126,8 @@ impl Default for Settings {
             points: 512,
             filtered_textures: true,
             layer: Layer::Final,
+            voxel_channel: VoxelChannel::Lit,
+            voxel_slice: None,
         }
     }
 }

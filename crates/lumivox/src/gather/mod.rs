@@ -124,6 +124,7 @@ struct Passes {
     bounce: bounce::Bounce,
     looking: reconstruction::Reconstruction,
     trusting: reconstruction::Reconstruction,
+    leaks: reconstruction::Reconstruction,
 }
 
 /// All that is kept on the GPU.
@@ -208,6 +209,7 @@ impl GatheredLight {
                 bounce: bounce::Bounce::new(gpu, true),
                 looking: reconstruction::Reconstruction::new(gpu, true),
                 trusting: reconstruction::Reconstruction::new(gpu, false),
+                leaks: reconstruction::Reconstruction::of_leaks(gpu),
             },
             uniform: Uniform::new(gpu, "gather/settings", &bytemuck::Zeroable::zeroed()),
             settings,
@@ -379,6 +381,19 @@ impl GatheredLight {
         let exact = self.subcells == Subcells::Given;
         let pass = if exact { &self.passes.looking } else { &self.passes.trusting };
         pass.record(gpu, encoder, (volume, &self.uniform), &self.store, view, target)
+    }
+
+    /// For debugging: the share of each pixel's irradiance that would come from surfels it cannot see, if it did not look for what
+    /// stands between, 0 to 1 in red. Where that is large, thin walls part light from dark.
+    pub fn record_leaks(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+    ) -> Result<(), GpuError> {
+        self.passes.leaks.record(gpu, encoder, (volume, &self.uniform), &self.store, view, target)
     }
 
     /// Fills the `slice`-th of `slices` parts of an irradiance volume over this volume's grid, with `rays` rays for each point, 1 to

@@ -31,7 +31,16 @@ pub(super) struct Reconstruction(FullscreenPass);
 impl Reconstruction {
     /// Whether pixels look for what stands between them and a surfel.
     pub(super) fn new(gpu: &Gpu, looks: bool) -> Self {
-        let constants = [("LOOKS", f64::from(u8::from(looks)))];
+        Self::with(gpu, looks, false)
+    }
+
+    /// Of what light would leak if pixels did not look.
+    pub(super) fn of_leaks(gpu: &Gpu) -> Self {
+        Self::with(gpu, true, true)
+    }
+
+    fn with(gpu: &Gpu, looks: bool, leaks: bool) -> Self {
+        let constants = [("LOOKS", f64::from(u8::from(looks))), ("LEAKS", f64::from(u8::from(leaks)))];
         Self(FullscreenPass::with_constants(gpu, &SHADER, IRRADIANCE_FORMAT, false, &constants))
     }
 

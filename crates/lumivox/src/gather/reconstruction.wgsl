@@ -22,12 +22,11 @@ const ENOUGH: f32 = 1e-3;
 
 // Whether pixels look for what stands between them and a surfel.
 override LOOKS: bool;
+// Whether the result is the share of the light that would leak if they did not look.
+override LEAKS: bool = false;
 
 // Whether a surfel can be seen from `eye`, in sub-cells: one of its open faces, near its middle.
 fn in_sight(surfel: Surfel, eye: vec3f) -> bool {
-    if !LOOKS {
-        return true;
-    }
     let points = bit_count(surfel.bits);
     let corner = subcell_corner(cell_from_index(grid, surfel.cell), nth_bit(surfel.bits, (5u * points) / 8u));
     let way = corner + 0.5 + 0.75 * FACE_NORMALS[surfel.side / 2u] - eye;
@@ -56,7 +55,7 @@ fn irradiance_of(place: u32) -> vec3f {
 
 // Weighted irradiance of the surfels in the eight cells around p, as far as they can be seen from `eye`, and the sum of the
 // weights.
-fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool) -> vec4f {
+fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool, looks: bool) -> vec4f {
     let low = floor(p - 0.5);
     let fraction = p - 0.5 - low;
     var sum = vec4f(0.0);
@@ -77,7 +76,7 @@ fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool) -> vec4f {
             let surfel = unpack_surfel(surfels[place]);
             let facing = facing_weight(side, surfel, n, strict);
             if facing > 0.0 {
-                let weight = near * facing * select(BLOCKED, 1.0, in_sight(surfel, eye));
+                let weight = near * facing * select(BLOCKED, 1.0, !looks || in_sight(surfel, eye));
                 sum += weight * vec4f(irradiance_of(place), 1.0);
             }
         }
@@ -104,25 +103,25 @@ fn free_point(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
 }
 
 // From the surfels that face the surface's way. One in a crease may have none near it; the nearest lie further out.
-fn from_facing(p: vec3f, n: vec3f, eye: vec3f) -> vec4f {
+fn from_facing(p: vec3f, n: vec3f, eye: vec3f, looks: bool) -> vec4f {
     var sum = vec4f(0.0);
     for (var step = 0u; step < 3u && sum.w < ENOUGH; step++) {
-        sum += interpolated(p + 0.75 * f32(step) * n, n, eye, true);
+        sum += interpolated(p + 0.75 * f32(step) * n, n, eye, true, looks);
     }
     return sum;
 }
 
-fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
+fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f, looks: bool) -> vec3f {
     let eye = free_point(p, n, towards_eye);
-    var sum = from_facing(p, n, eye);
+    var sum = from_facing(p, n, eye, looks);
     // Beside an edge the point may lie level with the sub-cells of its own surface, which then hide all its surfels. Straight
     // above the surface it does not.
     let above = 4.0 * p + 1.2 * n;
     if sum.w < ENOUGH && is_free(above) {
-        sum = from_facing(p, n, above);
+        sum = from_facing(p, n, above, looks);
     }
     if sum.w < ENOUGH {
-        sum += interpolated(p, n, eye, false);
+        sum += interpolated(p, n, eye, false, looks);
     }
     return clamp(sum.rgb / max(sum.w, 1e-12), vec3f(0.0), vec3f(HALF_MAX));
 }
@@ -138,5 +137,12 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let world = world_from_texel(view, texel, pixel_depth);
     let nearer = world_from_texel(view, texel, mix(pixel_depth, 1.0 - view.far_depth, 0.5));
     let p = grid_from_world(grid, world);
-    return vec4f(irradiance_at(p, normalize(n), normalize(nearer - world)), 1.0);
+    let irradiance = irradiance_at(p, normalize(n), normalize(nearer - world), LOOKS);
+    if LEAKS {
+        let blind = irradiance_at(p, normalize(n), normalize(nearer - world), false);
+        let more = max(blind - irradiance, vec3f(0.0));
+        let share = max(more.r, max(more.g, more.b)) / max(max(blind.r, max(blind.g, blind.b)), 1e-6);
+        return vec4f(share, 0.0, 0.0, 1.0);
+    }
+    return vec4f(irradiance, 1.0);
 }

@@ -26,10 +26,10 @@ use std::num::NonZero;
 use glam::{UVec3, Vec3};
 use lumivox_core::Grid;
 
-use crate::gpu::{Gpu, GpuError, Sampler, Shader, Texture, Uniform};
+use crate::gpu::{Bindings, Gpu, GpuError, Sampler, Shader, Texture, Uniform};
 
 /// What a host's shader calls, with its bindings in group 0 from 0 on.
-const QUERIES: &str = include_str!("irradiance.wgsl");
+pub const QUERIES: &str = include_str!("irradiance.wgsl");
 /// Bindings that the queries take.
 pub const BINDING_COUNT: u32 = 5;
 /// Format of the textures: constant, x, y, z.
@@ -127,6 +127,17 @@ impl IrradianceVolume {
     /// The textures of red, green and blue: the light from all around in W/(m2 sr) as spherical harmonics, constant, x, y, z.
     pub fn textures(&self) -> &[Texture; 3] {
         &self.textures
+    }
+
+    /// Binds it for a pass of [`crate::gpu`] whose shader has [`QUERIES`] among its parts.
+    pub fn bind<'a>(&'a self, bindings: Bindings<'a>) -> Bindings<'a> {
+        let [red, green, blue] = &self.textures;
+        bindings
+            .read("lumivox_lattice", &self.uniform)
+            .read("lumivox_sampler", &self.sampler)
+            .read("lumivox_red", red)
+            .read("lumivox_green", green)
+            .read("lumivox_blue", blue)
     }
 
     /// What a host's bind group takes, from binding `first` on.
