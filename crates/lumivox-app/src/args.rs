@@ -269,6 +269,8 @@ pub(crate) enum LayerArg {
     Voxels,
     /// Gathered light in free space, as balls that show what arrives from each side.
     Lobes,
+    /// What all surfaces would mirror if they were glossy (roughness 0.4).
+    Glossy,
     /// Where gathered light would leak if pixels did not look: blue for nowhere, red for all of it.
     Leaks,
 }
@@ -285,6 +287,7 @@ impl From<LayerArg> for Layer {
             LayerArg::Voxels => Self::Voxels,
             LayerArg::Lobes => Self::Lobes,
             LayerArg::Leaks => Self::Leaks,
+            LayerArg::Glossy => Self::Glossy,
         }
     }
 }

@@ -23,7 +23,7 @@ impl Picture {
     pub(crate) fn srgb(&self, layer: Layer, exposure_ev: f32) -> RgbImage {
         let farthest = self.pixels.iter().map(|p| p.x).fold(1e-6, f32::max);
         let bytes = self.pixels.iter().flat_map(|p| match layer {
-            Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels | Layer::Lobes => {
+            Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels | Layer::Lobes | Layer::Glossy => {
                 tone::tone_mapped(*p, exposure_ev)
             }
             Layer::Albedo | Layer::Normal | Layer::Leaks => tone::srgb_bytes(*p),

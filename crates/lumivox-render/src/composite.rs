@@ -34,6 +34,8 @@ pub enum Layer {
     Voxels,
     /// The light in free space: a ball at each point of an irradiance volume, which shows what arrives from each side.
     Lobes,
+    /// What surfaces would mirror if all of them had [`Settings::roughness`](crate::Settings): gathered light.
+    Glossy,
     /// Where light would leak: the share of a pixel's gathered light that would come from surfaces it cannot see, if it did not
     /// look.
     Leaks,
@@ -80,6 +82,7 @@ impl CompositePass {
             Layer::Normal => 4,
             Layer::Depth => 5,
             Layer::Leaks => 6,
+            Layer::Glossy => 7,
         };
         self.uniform.write(gpu, &CompositeUniform { sky: self.sky, layer: number });
     }

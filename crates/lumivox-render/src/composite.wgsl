@@ -62,6 +62,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 3u: { shown = reflectance; }
         case 4u: { shown = 0.5 + 0.5 * normalize(textureLoad(normal, texel, 0).xyz); }
         case 5u: { shown = vec3f(eye_distance(view, world_from_texel(view, texel, pixel_depth))); }
+        case 7u: { shown = textureLoad(irradiance, texel, 0).rgb; }
         case 6u: { shown = heat(textureLoad(irradiance, texel, 0).r); }
         default: { shown = direct + indirect + textureLoad(emission, texel, 0).rgb; }
     }

@@ -110,6 +110,7 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<voxelize::WindowUniform>(),
         entry::<gather::GatherUniform>(),
         entry::<gather::LatticeUniform>(),
+        entry::<gather::GlossyUniform>(),
         entry::<irradiance::LumivoxIrradianceUniform>(),
         entry::<voxelize::VoxelLight>(),
         entry::<visibility::FieldUniform>(),

@@ -14,6 +14,8 @@ use super::injected_lights::InjectedLight;
 use super::{GiMethod, Settings};
 use crate::lights::Sky;
 
+/// Rays of a pixel that mirrors.
+const GLOSSY_RAYS: u32 = 32;
 /// Rays of a point whose light is shown.
 const LOBE_RAYS: u32 = 128;
 
@@ -234,6 +236,20 @@ impl Indirect {
     ) -> Result<(), GpuError> {
         let Self::Gathered(light) = self else { return Ok(()) };
         light.record_leaks(gpu, encoder, volume, view, target)
+    }
+
+    /// What rough mirrors show of gathered light; black for the other ways, which have no rays.
+    pub(super) fn record_glossy(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+        roughness: f32,
+    ) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        light.record_glossy(gpu, encoder, volume, view, target, (roughness, GLOSSY_RAYS))
     }
 
     /// Irradiance at the pixels of a view.

@@ -317,6 +317,10 @@ impl Renderer {
         let mut timer = StageTimer::new(gpu, clock);
         timer.stage(gpu, "light/reconstruction", |e| match settings.layer {
             Layer::Leaks => indirect.record_leaks(gpu, e, volume, &camera.input, irradiance),
+            Layer::Glossy => {
+                let view = &camera.input;
+                indirect.record_glossy(gpu, e, volume, view, irradiance, settings.roughness)
+            }
             _ => indirect.record_reconstruction(gpu, e, volume, &camera.input, irradiance),
         })?;
         if settings.layer == Layer::Lobes {

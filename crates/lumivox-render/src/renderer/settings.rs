@@ -77,6 +77,8 @@ pub struct Settings {
     pub filtered_textures: bool,
     /// What the picture shows.
     pub layer: Layer,
+    /// Roughness of the surfaces in [`Layer::Glossy`], 0.3 to 1: less is a sharper mirror.
+    pub roughness: f32,
     /// What [`Layer::Voxels`] shows of cells.
     pub voxel_channel: VoxelChannel,
     /// The layer of cells that it shows, or all.
@@ -126,6 +128,7 @@ impl Default for Settings {
             points: 512,
             filtered_textures: true,
             layer: Layer::Final,
+            roughness: 0.4,
             voxel_channel: VoxelChannel::Lit,
             voxel_slice: None,
         }

@@ -2,12 +2,13 @@
 
 use glam::Vec3;
 use libtest_mimic::Failed;
+use lumivox::core::View;
 use lumivox::gpu::Gpu;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
-use lumivox_scene::{Camera, Light, builtin};
+use lumivox_scene::{Camera, Light, Material, Scene, builtin};
 
 use crate::Check;
-use crate::scenes::{settle, small};
+use crate::scenes::{Quad, add, settle, small};
 
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("gathered light: a furnace settles at its closed form", furnace),
@@ -15,6 +16,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("gathered light: a frame of a still scene is like the one before", rest),
     ("gathered light: a lamp that goes out leaves no light in the picture", lamp_out),
     ("gathered light: the first frame of views has light", first_frame),
+    ("gathered light: a glossy floor mirrors a glowing wall", glossy),
 ];
 
 fn gathering(voxels: VoxelSource) -> Settings {
@@ -34,6 +36,39 @@ fn furnace(gpu: &Gpu) -> Result<(), Failed> {
     let picture = renderer.read_picture()?;
     let worst = picture.iter().map(|p| (p.y - 1.0).abs()).fold(0.0, f32::max);
     assert!(worst < 0.01, "a pixel is {worst} from the closed form");
+    Ok(())
+}
+
+/// A black floor before a wall of radiance 2. Near the wall the mirrored view meets it, far from it the view goes over it.
+fn glossy(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene::default();
+    add(&mut scene, Material::matte("floor", Vec3::ZERO), &[Quad::level(Vec3::ZERO, 8.0)]);
+    let glowing = Material { emission: Vec3::splat(2.0), ..Material::matte("wall", Vec3::ZERO) };
+    add(&mut scene, glowing, &[Quad::upright(Vec3::new(0.0, 1.0, -3.0), 8.0, 2.0)]);
+    let camera = Camera::look("eye", Vec3::new(0.0, 1.5, 5.0), Vec3::new(0.0, 0.0, 0.5), 50.0);
+    let settings = Settings { layer: Layer::Glossy, grid: 32, ..gathering(VoxelSource::Triangles) };
+    let mut renderer = Renderer::new(gpu, &scene, settings)?;
+    renderer.set_camera(&camera);
+    settle(&mut renderer)?;
+    let (picture, size) = (renderer.read_picture()?, settings.size);
+    let view = View::perspective(
+        camera.eye,
+        camera.target,
+        camera.up,
+        camera.fov_y,
+        size.x as f32 / size.y as f32,
+        0.1,
+        50.0,
+    );
+    let at = |p: Vec3| {
+        let (uv, _) = view.uv_from_world(p).unwrap_or_default();
+        let texel = (uv * size.as_vec2()).as_uvec2().min(size - 1);
+        picture[(texel.y * size.x + texel.x) as usize].y
+    };
+    let (near, far) = (at(Vec3::new(0.0, 0.0, -2.0)), at(Vec3::new(0.0, 0.0, 2.8)));
+    eprintln!("glossy: {near} near the wall, {far} far from it");
+    assert!(near > 1.4 && near <= 2.01, "{near} near the wall");
+    assert!(far < 0.4, "{far} far from the wall");
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use glam::{UVec2, Vec3, Vec4};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
 use lumivox_render::{Layer, Settings};
-use lumivox_scene::{Camera, Material, Scene, Texture, Wrap, builtin};
+use lumivox_scene::{Camera, Material, Scene, SkyMap, Texture, Wrap, builtin};
 
 use crate::Check;
 use crate::camera::rays;
@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("the albedo layer is base colour times vertex colour", albedo),
     ("emission is its radiance, once", emission),
     ("the sky's radiance is where nothing is", sky),
+    ("a sky with a map stands upright", sky_map),
     ("the depth layer is metres along the view", depth),
     ("normals face the camera", normals),
 ];
@@ -215,6 +216,27 @@ fn sky(gpu: &Gpu) -> Result<(), Failed> {
     for layer in [Layer::Direct, Layer::Indirect, Layer::Albedo, Layer::Depth] {
         assert_eq!(seen(gpu, &scene, &front(), layer)?.0[0], Vec3::ZERO, "{layer:?}");
     }
+    Ok(())
+}
+
+/// Red above the horizon, blue below it, green on the left of -z; the camera looks along -z.
+fn sky_map(gpu: &Gpu) -> Result<(), Failed> {
+    let (width, height) = (64, 32);
+    let pixel = |n: u32| {
+        let (x, y) = (n % width, n / width);
+        let share = |is: bool| f32::from(u8::from(is));
+        Vec3::new(share(y < height / 2), share(x < width / 2), share(y >= height / 2))
+    };
+    let map = SkyMap { width, height, pixels: (0..width * height).map(pixel).collect() };
+    let mut scene = Scene { sky: Vec3::splat(0.5), sky_map: Some(map), ..Scene::default() };
+    add(&mut scene, Material::matte("wall", Vec3::ZERO), &[Quad::upright(Vec3::ZERO, 0.1, 0.1)]);
+    let (picture, size) = seen(gpu, &scene, &front(), Layer::Final)?;
+    let at = |x: u32, y: u32| picture[(y * size.x + x) as usize];
+    let (right, bottom) = (size.x - 1, size.y - 1);
+    assert_eq!(at(0, 0), Vec3::new(1.5, 1.5, 0.5));
+    assert_eq!(at(right, 0), Vec3::new(1.5, 0.5, 0.5));
+    assert_eq!(at(0, bottom), Vec3::new(0.5, 1.5, 1.5));
+    assert_eq!(at(right, bottom), Vec3::new(0.5, 0.5, 1.5));
     Ok(())
 }
 

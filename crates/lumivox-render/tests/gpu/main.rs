@@ -9,6 +9,7 @@ mod camera;
 mod direct;
 mod errors;
 mod gathered;
+mod golden;
 mod indirect;
 mod layers;
 mod masks;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         direct::TESTS,
         errors::TESTS,
         gathered::TESTS,
+        golden::TESTS,
         indirect::TESTS,
         layers::TESTS,
         masks::TESTS,

@@ -10,11 +10,23 @@ use crate::irradiance::IrradianceVolume;
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK, SH, linear_groups};
 
-use super::{MARCH, MET, SEEN, SURFEL, Store};
+use super::{FREE_POINT, MARCH, MET, SEEN, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/lattice",
-    parts: &[GRID, FACE, PACK, SH, OCTAHEDRON, SURFEL, MARCH, MET, SEEN, include_str!("lattice.wgsl")],
+    parts: &[
+        GRID,
+        FACE,
+        PACK,
+        SH,
+        OCTAHEDRON,
+        SURFEL,
+        MARCH,
+        FREE_POINT,
+        MET,
+        SEEN,
+        include_str!("lattice.wgsl"),
+    ],
 };
 
 crate::gpu_struct! {

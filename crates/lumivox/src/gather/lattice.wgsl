@@ -24,11 +24,6 @@ struct LatticeUniform {
 // Shells that a point inside of something looks for a free place in; the last is a spacing away.
 const SHELLS: u32 = 4u;
 
-fn is_free(p: vec3f) -> bool {
-    let at = vec3i(floor(p));
-    return any(at < vec3i(0)) || any(at >= SUBCELLS * vec3i(grid.dims)) || empty_side(at) > 0;
-}
-
 // The nearest free place to a point, in sub-cells, and whether there is one.
 fn free_place(p: vec3f) -> vec4f {
     if is_free(p) {

@@ -14,6 +14,7 @@
 //! | `bounce` | radiance of what the rays met becomes irradiance, and irradiance radiance |
 //! | `reconstruction` | irradiance at a pixel from the surfels around it that face its way |
 //! | `lattice` | light in free space, for an [`IrradianceVolume`] |
+//! | `glossy` | what a glossy surface mirrors |
 //!
 //! **Sub-cells.** Visibility is decided in a grid four times as fine as the volume, a bit for each sub-cell, 8 bytes for each
 //! cell; colours stay in the volume. A wall a quarter of a cell thick holds light back, and has a surfel on
@@ -34,6 +35,7 @@
 mod bounce;
 mod direct;
 mod dispatch;
+mod glossy;
 mod lattice;
 mod mask;
 mod reconstruction;
@@ -43,6 +45,7 @@ mod surfels;
 mod trace;
 mod view_subcells;
 
+pub use glossy::{GlossyUniform, MIN_ROUGHNESS};
 pub use lattice::LatticeUniform;
 pub use settings::{GatherSettings, GatherUniform, Quality};
 pub(crate) use sky_light::CONSTANTS;
@@ -58,6 +61,8 @@ use crate::volume::{VolumeBuffer, check_grid};
 const SURFEL: &str = include_str!("surfel.wgsl");
 /// The shared shader part of rays; after [`SURFEL`].
 const MARCH: &str = include_str!("march.wgsl");
+/// Where a pixel looks from; after [`MARCH`].
+const FREE_POINT: &str = include_str!("free_point.wgsl");
 /// Which surfel a ray met; after [`MARCH`].
 const MET: &str = include_str!("met.wgsl");
 /// What a ray sees; after [`MET`].
@@ -125,6 +130,7 @@ struct Passes {
     looking: reconstruction::Reconstruction,
     trusting: reconstruction::Reconstruction,
     leaks: reconstruction::Reconstruction,
+    glossy: glossy::Glossy,
 }
 
 /// All that is kept on the GPU.
@@ -210,6 +216,7 @@ impl GatheredLight {
                 looking: reconstruction::Reconstruction::new(gpu, true),
                 trusting: reconstruction::Reconstruction::new(gpu, false),
                 leaks: reconstruction::Reconstruction::of_leaks(gpu),
+                glossy: glossy::Glossy::new(gpu),
             },
             uniform: Uniform::new(gpu, "gather/settings", &bytemuck::Zeroable::zeroed()),
             settings,
@@ -383,6 +390,25 @@ impl GatheredLight {
         pass.record(gpu, encoder, (volume, &self.uniform), &self.store, view, target)
     }
 
+    /// Radiance that a glossy surface of one roughness would mirror at every pixel of a G-buffer, W/(m2 sr), into a target of
+    /// [`crate::light::IRRADIANCE_FORMAT`]: the mean over `rays` rays, 1 to 64, about the mirrored view. A host multiplies it by its
+    /// surfaces' specular reflectance (the split sum of image-based lighting).
+    ///
+    /// Roughness is that of glTF, its square the GGX width, and at least [`MIN_ROUGHNESS`]: what is met has one radiance for each side
+    /// of a cell, which a sharper mirror would show. Fewer rays are faster and grainier; the pattern stands still at rest. Once in
+    /// a frame.
+    pub fn record_glossy(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        view: &ViewInput,
+        target: &mut Texture,
+        (roughness, rays): (f32, u32),
+    ) -> Result<(), GpuError> {
+        self.passes.glossy.record(gpu, encoder, (volume, &self.store), view, target, (roughness, rays))
+    }
+
     /// For debugging: the share of each pixel's irradiance that would come from surfels it cannot see, if it did not look for what
     /// stands between, 0 to 1 in red. Where that is large, thin walls part light from dark.
     pub fn record_leaks(
@@ -481,6 +507,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         trace::SHADER,
         sky_light::SHADER,
         lattice::SHADER,
+        glossy::SHADER,
         bounce::SHADER,
         reconstruction::SHADER,
     ]

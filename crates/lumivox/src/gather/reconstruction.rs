@@ -8,7 +8,7 @@ use crate::progressive::ViewInput;
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, FULLSCREEN, GRID, OCTAHEDRON, PACK, VIEW};
 
-use super::{GatherUniform, MARCH, SURFEL, Store};
+use super::{FREE_POINT, GatherUniform, MARCH, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/reconstruction",
@@ -20,6 +20,7 @@ pub(super) const SHADER: Shader = Shader {
         OCTAHEDRON,
         SURFEL,
         MARCH,
+        FREE_POINT,
         FULLSCREEN,
         include_str!("reconstruction.wgsl"),
     ],

@@ -84,24 +84,6 @@ fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool, looks: bool) -> ve
     return sum;
 }
 
-fn is_free(point: vec3f) -> bool {
-    let at = vec3i(floor(point));
-    return any(at < vec3i(0)) || any(at >= SUBCELLS * vec3i(grid.dims)) || empty_side(at) > 0;
-}
-
-// A point in free space just off a surface, in sub-cells: towards the eye it is free, but for sub-cells that the surface
-// fills in part.
-fn free_point(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
-    let surface = 4.0 * p + 0.6 * n;
-    for (var step = 1; step < 5; step++) {
-        let point = surface + 0.6 * f32(step) * towards_eye;
-        if is_free(point) {
-            return point;
-        }
-    }
-    return surface + 0.6 * towards_eye;
-}
-
 // From the surfels that face the surface's way. One in a crease may have none near it; the nearest lie further out.
 fn from_facing(p: vec3f, n: vec3f, eye: vec3f, looks: bool) -> vec4f {
     var sum = vec4f(0.0);

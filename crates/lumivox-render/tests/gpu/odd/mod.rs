@@ -100,6 +100,9 @@ impl Faults {
             Layer::Normal,
             Layer::Depth,
             Layer::Voxels,
+            Layer::Lobes,
+            Layer::Glossy,
+            Layer::Leaks,
         ] {
             renderer.set_layer(layer);
             renderer.settle(0, None)?;
