@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use lumivox::gather::Quality;
+use lumivox::light::Reflection;
 use lumivox::lpv::Blocking;
 use lumivox_render::voxel_view::{Slice, VoxelChannel};
 use lumivox_render::{GiMethod, Layer, VoxelSource};
@@ -105,6 +106,9 @@ pub(crate) struct ShotArgs {
     /// Indirect light.
     #[arg(long, value_enum, default_value = "gather")]
     pub(crate) gi: GiArg,
+    /// What surfaces do with light with --gi propagation: they scatter it, or mirror it on the faces of cells or about their normal.
+    #[arg(long, value_enum, default_value = "none")]
+    pub(crate) mirror: MirrorArg,
     /// What holds light back with --gi lpv.
     #[arg(long, value_enum, default_value = "none")]
     pub(crate) lpv_blocking: BlockingArg,
@@ -139,6 +143,10 @@ pub(crate) struct RenderArgs {
     /// Render a series of frames instead of a settled still; scenes with a camera walk follow it.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) frames: Option<u32>,
+    /// In a series with --gi propagation light goes on flowing from frame to frame, --iterations steps in each: a few are
+    /// enough for all bounces, and what changes spreads by one cell a step.
+    #[arg(long, requires = "frames")]
+    pub(crate) flow: bool,
     /// Frames per second of a series.
     #[arg(long, default_value_t = 12.0)]
     pub(crate) fps: f32,
@@ -210,6 +218,26 @@ impl From<GiArg> for GiMethod {
             GiArg::Lpv => Self::Lpv,
             GiArg::Propagation => Self::Propagation,
             GiArg::Gather => Self::Gather,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum MirrorArg {
+    /// They scatter it.
+    None,
+    /// Back through the face that it came by: the dissertation's.
+    Axis,
+    /// About their mean normal.
+    Normal,
+}
+
+impl From<MirrorArg> for Reflection {
+    fn from(arg: MirrorArg) -> Self {
+        match arg {
+            MirrorArg::None => Self::Lambertian,
+            MirrorArg::Axis => Self::AxisMirror,
+            MirrorArg::Normal => Self::NormalMirror,
         }
     }
 }

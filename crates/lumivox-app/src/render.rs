@@ -61,6 +61,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
 
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let settings = Settings {
+        flow: args.flow,
         clip: motion.clip().filter(|_| args.frames.is_some()),
         voxel_channel: args.voxels.into(),
         voxel_slice: args.slice.map(|slice| slice.0),
@@ -174,6 +175,7 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         // A still starts with none, to learn how much light there is to settle.
         iterations: if still { 0 } else { shot.iterations },
         light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
+        reflection: shot.mirror.into(),
         lpv_blocking: shot.lpv_blocking.into(),
         layer,
         shadow_size: shot.shadow_size.unwrap_or(if still { 4096 } else { 2048 }),

@@ -49,7 +49,7 @@ impl Indirect {
             let lpv = LightPropagationVolume::new(gpu, volume, settings.lpv_blocking)?;
             return Ok(Self::Lpv(Box::new(lpv)));
         }
-        let propagated = IndirectLight::new(gpu, volume)?;
+        let propagated = IndirectLight::with_reflection(gpu, volume, settings.reflection)?;
         let of_sky = if sampled { Vec3::ZERO } else { sky.mean() };
         propagated.update(gpu, &LightSettings { sky: of_sky, ..settings.light });
         Ok(Self::Propagated(Box::new(propagated)))
@@ -196,6 +196,19 @@ impl Indirect {
             }
             Self::Gathered(light) => light.record_trace(gpu, encoder, volume),
         }
+    }
+
+    /// Steps of propagated light that goes on from the frame before.
+    pub(super) fn record_flow(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        (volume, direct): (&VolumeBuffer, &DirectLight),
+        steps: u32,
+    ) -> Result<(), GpuError> {
+        let Self::Propagated(light) = self else { return Ok(()) };
+        light.record_transport(gpu, encoder, volume)?;
+        light.record_flow(gpu, encoder, volume, direct, steps)
     }
 
     /// Steps from cell to cell, or bounces.

@@ -285,11 +285,16 @@ impl Renderer {
 
             // Volume to light.
             let [first, stage] = indirect.stages();
-            timer.stage(gpu, first, |e| {
-                indirect.record_seed(gpu, e, (volume, &self.direct_light), &camera.input)
-            })?;
             let steps = steps(settings);
-            timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, steps))?;
+            if settings.flow && settings.gi == GiMethod::Propagation {
+                let lit = (&*volume, &self.direct_light);
+                timer.stage(gpu, stage, |e| indirect.record_flow(gpu, e, lit, steps))?;
+            } else {
+                timer.stage(gpu, first, |e| {
+                    indirect.record_seed(gpu, e, (volume, &self.direct_light), &camera.input)
+                })?;
+                timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, steps))?;
+            }
         }
         let mut stats = FrameStats { stages: timer.finish(gpu)? };
         stats.stages.extend(self.compose(clock)?.stages);

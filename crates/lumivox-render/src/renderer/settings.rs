@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use lumivox::gather::{GatherSettings, Quality};
-use lumivox::light::LightSettings;
+use lumivox::light::{LightSettings, Reflection};
 use lumivox::lpv::Blocking;
 
 use crate::composite::Layer;
@@ -56,6 +56,11 @@ pub struct Settings {
     pub bounces: u32,
     /// How light propagates; its sky is the scene's.
     pub light: LightSettings,
+    /// Whether propagated light goes on flowing from frame to frame, by as many steps as `iterations` says, in place of beginning
+    /// anew. At rest a few come to the light of all bounces.
+    pub flow: bool,
+    /// How the surfaces of propagation reflect.
+    pub reflection: Reflection,
     /// What holds the light of light propagation volumes back.
     pub lpv_blocking: Blocking,
     /// Texels a side of the atlas of shadow maps: the map of a directional or spot light has all of them, a view of a point
@@ -120,6 +125,8 @@ impl Default for Settings {
             gather: GatherSettings::default(),
             bounces: 2,
             light: LightSettings::default(),
+            flow: false,
+            reflection: Reflection::default(),
             lpv_blocking: Blocking::None,
             shadow_size: 2048,
             area_samples: 64,

@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a red wall bleeds, voxels from views", |gpu| bleeding(gpu, VoxelSource::Progressive)),
     ("the final picture is the sum of its layers", layers_add_up),
     ("indirect light is never negative", never_negative),
+    ("light that flows comes to the settled picture", flows),
 ];
 
 /// Four coefficients get the mean right, and have a little too little in the middle of a wall and too much along its
@@ -142,5 +143,38 @@ fn never_negative(gpu: &Gpu) -> Result<(), Failed> {
             assert_eq!(bad, 0, "{voxels:?}, {gi:?} after {steps} steps more");
         }
     }
+    Ok(())
+}
+
+/// Eight steps a frame: dark at first, and in the end what a still settles at.
+fn flows(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    let settings = Settings {
+        gi: GiMethod::Propagation,
+        voxels: VoxelSource::Triangles,
+        layer: Layer::Indirect,
+        grid: 16,
+        iterations: 8,
+        ..small()
+    };
+    let mean = |renderer: &Renderer| -> Result<f32, Failed> {
+        let picture = renderer.read_picture()?;
+        Ok(picture.iter().map(|p| p.element_sum()).sum::<f32>() / picture.len() as f32)
+    };
+    let mut still = Renderer::new(gpu, &scene, settings)?;
+    still.set_camera(&scene.cameras[0]);
+    still.frame(None)?;
+    still.settle(400, None)?;
+    let settled = mean(&still)?;
+    let mut series = Renderer::new(gpu, &scene, Settings { flow: true, ..settings })?;
+    series.set_camera(&scene.cameras[0]);
+    let mut seen = Vec::new();
+    for _ in 0..40 {
+        series.frame(None)?;
+        seen.push(mean(&series)? / settled);
+    }
+    eprintln!("light that flows: {seen:.3?} of the settled picture");
+    assert!(settled > 0.01 && seen[0] < 0.7, "{settled}, {seen:?}");
+    assert!((seen[39] - 1.0).abs() < 0.01, "{seen:?}");
     Ok(())
 }

@@ -39,7 +39,8 @@
 //! it back the way it came. Since the text moves light in empty space only, from boundary to boundary, a mirror stands at the shared face: what
 //! an empty cell sends into an occupied one comes back to it in the same step, times albedo. As from any surface the lobe is
 //! one that sends nothing straight back, `1/6 (1 + d.f) >= 0` through the face `f` for a lobe about `d`.
-//! A mirrored lobe about a slanted normal may look into the next cell of its own surface, and is reflected, and darkened, once more there.
+//! A mirrored lobe about a slanted normal may look into the next cell of its own surface, and is reflected, and darkened, once more there. Turned boxes show it as
+//! faint stripes. Beside the path tracer the three kinds are alike: 41 % in the Cornell box at 64 cells, and 33 to 34 % at 32.
 //!
 //! **Transmission.** Let a cell of occupancy `o` and albedo `a` receive the flux `F` through a face. Of this `(1 - o) F` goes on as
 //! through empty space, `o a F` is reflected, and `o (1 - a) F` is absorbed: together `F`. The cell's incident
