@@ -23,8 +23,8 @@ const METHODS: [(&str, GiMethod); 3] =
 const STEPS: u32 = 64;
 
 /// Pictures, and the time for each reference.
-const SIZE: Size = Size(128, 72);
-const SECONDS: u32 = 60;
+const SIZE: Size = Size(96, 54);
+const SECONDS: u32 = 30;
 /// The same in a hurry.
 const QUICK_SIZE: Size = Size(48, 27);
 const QUICK_SECONDS: u32 = 4;
