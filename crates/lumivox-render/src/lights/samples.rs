@@ -132,7 +132,7 @@ fn radiance_around(sky: &Sky, direction: Vec3, solid_angle: f32) -> Vec3 {
     let around = (0..POINTS).map(|n| {
         let reach = (solid_angle / PI * (n as f32 + 0.5) / POINTS as f32).sqrt();
         let (sin, cos) = (TAU * golden_turn(n, 0.0)).sin_cos();
-        sky.radiance((direction + reach * (cos * u + sin * v)).normalize())
+        sky.radiance((direction + reach * (cos * u + sin * v)).normalize_or_zero())
     });
     around.sum::<Vec3>() / POINTS as f32
 }

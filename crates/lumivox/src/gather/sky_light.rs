@@ -74,5 +74,5 @@ fn direction_from_octahedron(p: Vec2) -> Vec3 {
     let z = 1.0 - p.x.abs() - p.y.abs();
     let folded = (1.0 - Vec2::new(p.y, p.x).abs()) * Vec2::new(1.0f32.copysign(p.x), 1.0f32.copysign(p.y));
     let flat = if z >= 0.0 { p } else { folded };
-    flat.extend(z).normalize()
+    flat.extend(z).normalize_or_zero()
 }

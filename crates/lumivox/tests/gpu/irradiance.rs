@@ -243,7 +243,9 @@ fn furnace(labs: &Labs) -> Result<(), Failed> {
         // Nearer than a spacing to the walls, at 2 and 14, points of the lattice outside come in.
         let (low, size) = (2.0 + spacing as f32, 12.0 - 2.0 * spacing as f32);
         let asked: Vec<_> = (0..256)
-            .map(|_| question(Vec3::splat(low) + size * random.cube(), (random.cube() - 0.5).normalize()))
+            .map(|_| {
+                question(Vec3::splat(low) + size * random.cube(), (random.cube() - 0.5).normalize_or_zero())
+            })
             .collect();
         let irradiance = ask(gpu, &lattice, IN_SPACE, &asked)?;
         let mean = ask(gpu, &lattice, ALL_AROUND, &asked)?;
@@ -293,7 +295,8 @@ fn colors(labs: &Labs) -> Result<(), Failed> {
             first[color] += d / count as f32;
         }
     }
-    for n in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z, Vec3::ONE.normalize()] {
+    for n in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z, Vec3::ONE.normalize_or_zero()]
+    {
         let found = ask(gpu, &lattice, IN_SPACE, &[question(p, n)])?[0];
         // Of radiance 1 over a part of all directions: pi times that part, and 2 pi times their mean direction.
         let expected =
@@ -373,7 +376,7 @@ fn stages(labs: &Labs) -> Result<(), Failed> {
     let lattice = lit(gpu, &room, 2)?;
     let mut random = Random::new(11);
     let asked: Vec<_> = (0..200)
-        .map(|_| question(Vec3::splat(2.0) + 12.0 * random.cube(), (random.cube() - 0.5).normalize()))
+        .map(|_| question(Vec3::splat(2.0) + 12.0 * random.cube(), (random.cube() - 0.5).normalize_or_zero()))
         .collect();
     for call in [ON_SURFACE, IN_SPACE, ALL_AROUND] {
         let computed = ask(gpu, &lattice, call, &asked)?;
