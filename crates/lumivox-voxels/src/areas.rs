@@ -14,14 +14,14 @@ use crate::sparse::SIDE;
 /// Edges of the part of a triangle between two planes: of the side through the middle corner the lower and the upper
 /// part, the long side, and two chords; one more makes pairs.
 const EDGES: usize = 6;
-/// Of these the ones that a whole triangle has, and one more.
-const WHOLE: usize = 4;
+/// Most layers have no more than these.
+const FEW: usize = 4;
 const LOWER: usize = 0;
 const UPPER: usize = 1;
 const LONG: usize = 2;
-// Number 3 stays empty.
-const BOTTOM: usize = 4;
-const TOP: usize = 5;
+const CHORD: usize = 3;
+/// Layers of cells of a triangle that are there at once: those of eight bricks one above the other.
+const LAYERS: usize = 64;
 /// Heights over one cell that differ by less count as level: quotients of such differences have no digits.
 const LEVEL: f64 = 1e-7;
 
@@ -48,30 +48,49 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The edges of the part in one layer of cells, from `x` to `x_end`, at height `y` where they begin.
+/// The edges of the part in one layer of cells, from `x` to `x_end`, at height `y` where they begin. Upright ones enclose
+/// nothing with the axis, and are left out.
 #[derive(Clone, Copy, Debug, Default)]
 struct Layer {
+    count: usize,
     x: [f64; EDGES],
     x_end: [f64; EDGES],
     y: [f64; EDGES],
-    is_whole: bool,
+    slope: [f64; EDGES],
+    inverse: [f64; EDGES],
 }
 
 impl Layer {
-    fn set(&mut self, edge: usize, from: DVec3, to: DVec3) {
-        (self.x[edge], self.x_end[edge], self.y[edge]) = (from.x, to.x, from.y);
+    #[inline(always)]
+    fn push(&mut self, slopes: &Slopes, edge: usize, from: DVec3, to: DVec3) {
+        if from.x == to.x {
+            return;
+        }
+        let n = self.count;
+        self.count += 1;
+        (self.x[n], self.x_end[n], self.y[n]) = (from.x, to.x, from.y);
+        (self.slope[n], self.inverse[n]) = (slopes.slope[edge], slopes.inverse[edge]);
+    }
+
+    /// Makes places without an edge edges of no length.
+    #[inline(always)]
+    fn finish(&mut self) {
+        for n in self.count..EDGES {
+            (self.x[n], self.x_end[n], self.y[n]) = (0.0, 0.0, 0.0);
+            (self.slope[n], self.inverse[n]) = (0.0, 0.0);
+        }
     }
 
     /// The area of the part in the unit square at `low`, with a sign.
     #[inline(always)]
-    fn within<const N: usize>(&self, slopes: &Slopes, low: [f64; 2]) -> f64 {
+    fn within<const N: usize>(&self, low: [f64; 2]) -> f64 {
         let mut below = [0.0; N];
         for (n, below) in below.iter_mut().enumerate() {
             let from = smaller(larger(self.x[n], low[0]), low[0] + 1.0);
             let to = smaller(larger(self.x_end[n], low[0]), low[0] + 1.0);
-            let from_height = self.y[n] - low[1] + slopes.slope[n] * (from - self.x[n]);
-            let to_height = self.y[n] - low[1] + slopes.slope[n] * (to - self.x[n]);
-            let slanted = (integral(to_height) - integral(from_height)) * slopes.inverse[n];
+            let from_height = self.y[n] - low[1] + self.slope[n] * (from - self.x[n]);
+            let to_height = self.y[n] - low[1] + self.slope[n] * (to - self.x[n]);
+            let slanted = (integral(to_height) - integral(from_height)) * self.inverse[n];
             let level = unit_clamped(0.5 * (from_height + to_height)) * (to - from);
             *below = if (to_height - from_height).abs() > LEVEL { slanted } else { level };
         }
@@ -82,8 +101,8 @@ impl Layer {
 /// What an edge rises by per unit, and the inverse; zero for upright and level ones. All chords are parallel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slopes {
-    slope: [f64; EDGES],
-    inverse: [f64; EDGES],
+    slope: [f64; 4],
+    inverse: [f64; 4],
 }
 
 impl Slopes {
@@ -96,12 +115,12 @@ impl Slopes {
     }
 }
 
-/// Room for the layers of one triangle in one brick, which is used again for the next.
-#[derive(Clone, Debug, Default)]
+/// Room for the layers of one triangle, which is used again for the next.
+#[derive(Clone, Debug)]
 pub(crate) struct Areas {
-    layers: [Layer; SIDE as usize],
+    layers: [Layer; LAYERS],
     /// Layers that are there, a bit each.
-    made: u8,
+    made: u64,
     /// Whether what follows is there.
     is_set: bool,
     slopes: Slopes,
@@ -113,6 +132,28 @@ pub(crate) struct Areas {
     /// Area of the triangle over that of its projection.
     scale: f64,
     all: f64,
+    /// Of each layer, cells that are still to be worked out, and the area in them.
+    waiting: [u16; LAYERS],
+    rest: [f64; LAYERS],
+}
+
+impl Default for Areas {
+    fn default() -> Self {
+        Self {
+            layers: [Layer::default(); LAYERS],
+            made: 0,
+            is_set: false,
+            slopes: Slopes::default(),
+            corners: [DVec3::ZERO; 3],
+            per_height: [0.0; 3],
+            normal: DVec3::ZERO,
+            axis: 0,
+            scale: 0.0,
+            all: 0.0,
+            waiting: [0; LAYERS],
+            rest: [0.0; LAYERS],
+        }
+    }
 }
 
 impl Areas {
@@ -132,7 +173,7 @@ impl Areas {
         self.scale
     }
 
-    /// Area in a cell that the triangle marks; `cell` must lie in one brick for all calls after [`Self::begin`].
+    /// Area in a cell that the triangle marks; all cells after [`Self::begin`] must lie in one brick.
     #[inline(always)]
     pub(crate) fn in_cell(&mut self, triangle: &Triangle, cell: IVec3) -> f64 {
         let CellBox { low, high } = triangle.reach;
@@ -147,25 +188,71 @@ impl Areas {
                 let above = share_above(a[axis] - boundary, b[axis] - boundary, c[axis] - boundary);
                 self.all * if cell[axis] == high[axis] { above } else { 1.0 - above }
             }
-            _ => self.in_layer(triangle, cell),
+            _ => self.in_layer(triangle, cell, (cell[self.axis] & (SIDE as i32 - 1)) as usize),
         }
     }
 
     #[inline(always)]
-    fn in_layer(&mut self, triangle: &Triangle, cell: IVec3) -> f64 {
+    fn in_layer(&mut self, triangle: &Triangle, cell: IVec3, number: usize) -> f64 {
         let cell = turned(self.axis, cell.to_array());
-        let number = (cell[2] & (SIDE as i32 - 1)) as usize;
+        let number = number % LAYERS;
         if self.made >> number & 1 == 0 {
             self.made |= 1 << number;
             self.make(triangle, cell[2], number);
         }
         let layer = &self.layers[number];
         let low = [f64::from(cell[0]), f64::from(cell[1])];
-        let sum = match layer.is_whole {
-            true => layer.within::<WHOLE>(&self.slopes, low),
-            false => layer.within::<EDGES>(&self.slopes, low),
+        let sum = match layer.count <= FEW {
+            true => layer.within::<FEW>(low),
+            false => layer.within::<EDGES>(low),
         };
         self.scale * sum.abs()
+    }
+
+    /// Appends the areas in some cells that the triangle marks. With `is_all` they are all that it marks, and
+    /// lie in no more than eight bricks: then the areas of a layer add up to what two cuts leave of the triangle, and one of them
+    /// need not be worked out.
+    #[inline(never)]
+    pub(crate) fn of_cells(
+        &mut self,
+        triangle: &Triangle,
+        cells: &[IVec3],
+        is_all: bool,
+        found: &mut Vec<f64>,
+    ) {
+        let (axis, all) = (self.axis, self.all);
+        let lowest = triangle.reach.low[axis];
+        if !is_all {
+            let number = |cell: &IVec3| (cell[axis] - lowest) as usize;
+            return found.extend(cells.iter().map(|cell| self.in_layer(triangle, *cell, number(cell))));
+        }
+        let count = (triangle.reach.high[axis] - lowest) as usize + 1;
+        let Self { waiting, rest, .. } = self;
+        waiting[..count].fill(0);
+        cells.iter().for_each(|cell| waiting[(cell[axis] - lowest) as usize] += 1);
+        let mut above = 1.0;
+        for (n, rest) in rest[..count].iter_mut().enumerate() {
+            let below = above;
+            above = if n + 1 < count {
+                let [a, b, c] = triangle.corners;
+                let boundary = f64::from(lowest + n as i32 + 1);
+                share_above(a[axis] - boundary, b[axis] - boundary, c[axis] - boundary)
+            } else {
+                0.0
+            };
+            *rest = all * (below - above);
+        }
+        for &cell in cells {
+            let n = (cell[axis] - lowest) as usize;
+            self.waiting[n] -= 1;
+            found.push(if self.waiting[n] == 0 {
+                larger(self.rest[n], 0.0)
+            } else {
+                let area = self.in_layer(triangle, cell, n);
+                self.rest[n] -= area;
+                area
+            });
+        }
     }
 
     /// Puts the corners in order and finds what all layers share.
@@ -183,9 +270,7 @@ impl Areas {
             self.per_height[edge] = if way.z == 0.0 { 0.0 } else { 1.0 / way.z };
         }
         let [p, q, _] = turned(self.axis, self.normal.to_array());
-        self.slopes.set(BOTTOM, q, -p);
-        (self.slopes.slope[TOP], self.slopes.inverse[TOP]) =
-            (self.slopes.slope[BOTTOM], self.slopes.inverse[BOTTOM]);
+        self.slopes.set(CHORD, q, -p);
         self.corners = corners;
     }
 
@@ -195,13 +280,13 @@ impl Areas {
             self.set(triangle);
         }
         let [low, middle, high] = self.corners;
-        let layer = &mut self.layers[number];
-        layer.is_whole = triangle.reach.low[self.axis] == triangle.reach.high[self.axis];
-        if layer.is_whole {
-            layer.set(LOWER, low, middle);
-            layer.set(UPPER, middle, high);
-            layer.set(LONG, high, low);
-            return;
+        let (slopes, layer) = (&self.slopes, &mut self.layers[number]);
+        layer.count = 0;
+        if triangle.reach.low[self.axis] == triangle.reach.high[self.axis] {
+            layer.push(slopes, LOWER, low, middle);
+            layer.push(slopes, UPPER, middle, high);
+            layer.push(slopes, LONG, high, low);
+            return layer.finish();
         }
         let bottom = f64::from(height).max(low.z);
         let top = (f64::from(height) + 1.0).min(high.z);
@@ -214,26 +299,25 @@ impl Areas {
         let (begin, end) = match (bottom < middle.z, top < middle.z) {
             (true, true) => {
                 let ends = (lower(bottom), lower(top));
-                layer.set(LOWER, ends.0, ends.1);
-                layer.set(UPPER, ends.1, ends.1);
+                layer.push(slopes, LOWER, ends.0, ends.1);
                 ends
             }
             (true, false) => {
                 let ends = (lower(bottom), upper(top));
-                layer.set(LOWER, ends.0, middle);
-                layer.set(UPPER, middle, ends.1);
+                layer.push(slopes, LOWER, ends.0, middle);
+                layer.push(slopes, UPPER, middle, ends.1);
                 ends
             }
             _ => {
                 let ends = (upper(bottom), upper(top));
-                layer.set(LOWER, ends.0, ends.0);
-                layer.set(UPPER, ends.0, ends.1);
+                layer.push(slopes, UPPER, ends.0, ends.1);
                 ends
             }
         };
-        layer.set(BOTTOM, long[0], begin);
-        layer.set(TOP, end, long[1]);
-        layer.set(LONG, long[1], long[0]);
+        layer.push(slopes, CHORD, long[0], begin);
+        layer.push(slopes, CHORD, end, long[1]);
+        layer.push(slopes, LONG, long[1], long[0]);
+        layer.finish();
     }
 }
 
@@ -280,6 +364,15 @@ mod tests {
             sum += area;
         });
         prop_assert!(worst < tolerance, "{}", worst);
+        let mut cells = Vec::new();
+        walk(Coverage::Exact, &triangle, &CellBox::of_grid(DIMS), &mut |cell| cells.push(cell));
+        areas.begin(normal, normal.length());
+        let mut found = Vec::new();
+        areas.of_cells(&triangle, &cells, true, &mut found);
+        let apart =
+            cells.iter().zip(&found).map(|(&cell, area)| (area - in_cell(&triangle, cell).area).abs());
+        let worst = apart.fold(0.0, f64::max);
+        prop_assert!(worst < tolerance && found.len() == cells.len(), "{} at once", worst);
         prop_assert!((sum - 0.5 * normal.length()).abs() < 512.0 * tolerance);
         Ok(())
     }

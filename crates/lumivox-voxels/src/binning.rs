@@ -1,18 +1,17 @@
 //! From triangles to bricks: which triangles each brick has to look at.
 //!
 //! A chunk of triangles at a time, each thread for itself. A triangle goes to the bricks that it touches, found by the
-//! same walk that finds cells, on a grid of bricks. Where only occupancy is wanted, triangles of few bricks mark their
-//! cells at once, and no list is needed.
+//! same walk that finds cells, on a grid of bricks. Where only occupancy is wanted, or flat triangles are summed, triangles of few
+//! bricks are done with at once, and no list is needed.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{IVec3, UVec3};
 
+use crate::cell_sums::{CellSums, Closed, Cutter, FlatFace};
 use crate::channels::FlatPiece;
 use crate::coverage::{self, CellBox, Coverage};
-use crate::fragment::share_above;
 use crate::job::{Chunk, Job, Reached};
-use crate::runs::{OpenRuns, Run};
 use crate::sparse::{Directory, Mask, SHIFT, SIDE, brick_index, bricks_along};
 use crate::surface::Face;
 
@@ -20,22 +19,27 @@ use crate::surface::Face;
 /// large triangle keeps all threads busy.
 const FEW_BRICKS: i32 = 8;
 
-/// Pairs of triangle and brick that take as much memory as one sum of small triangles.
-const RUN_PAIRS: usize = 7;
+/// Pairs of triangle and brick that take as much memory as one sum, and as the mask of a brick. What sums are looked up with is
+/// gone with the chunk.
+const SUM_PAIRS: usize = 3;
+const BRICK_PAIRS: usize = 6;
 
 /// Lists of one chunk.
 pub(crate) struct Bins {
     /// Linear indices of the bricks, in no order.
     pub(crate) bricks: Vec<u32>,
-    /// For each brick the cells that are already marked; empty if fragments are needed.
+    /// For each brick the cells that are already marked.
     pub(crate) masks: Vec<Mask>,
     /// For each brick the start of its triangles, and their number at the end.
     starts: Vec<u32>,
     /// Triangles, by number in their mesh.
     items: Vec<u32>,
-    /// The same for sums of small triangles.
-    run_starts: Vec<u32>,
-    runs: Vec<Run>,
+    /// The same for sums of flat triangles, one for each marked cell if there are any.
+    sum_starts: Vec<u32>,
+    sums: Vec<FlatPiece>,
+    /// The same for sums that were closed.
+    closed_starts: Vec<u32>,
+    closed: Vec<Closed>,
     /// Triangles that were not finite or named no vertex.
     pub(crate) skipped: u64,
 }
@@ -46,9 +50,14 @@ impl Bins {
         &self.items[self.starts[n as usize] as usize..self.starts[n as usize + 1] as usize]
     }
 
-    /// The sums of small triangles in brick number `n` of this chunk.
-    pub(crate) fn runs(&self, n: u32) -> &[Run] {
-        &self.runs[self.run_starts[n as usize] as usize..self.run_starts[n as usize + 1] as usize]
+    /// The sums of flat triangles in the marked cells of brick number `n` of this chunk.
+    pub(crate) fn sums(&self, n: u32) -> &[FlatPiece] {
+        &self.sums[self.sum_starts[n as usize] as usize..self.sum_starts[n as usize + 1] as usize]
+    }
+
+    /// Those that were closed, in any order.
+    pub(crate) fn closed(&self, n: u32) -> &[Closed] {
+        &self.closed[self.closed_starts[n as usize] as usize..self.closed_starts[n as usize + 1] as usize]
     }
 }
 
@@ -59,8 +68,7 @@ struct Builder {
     bricks: Vec<u32>,
     masks: Vec<Mask>,
     pairs: Vec<[u32; 2]>,
-    open: OpenRuns,
-    runs: Vec<(u32, Run)>,
+    sums: CellSums,
     last: (IVec3, u32),
 }
 
@@ -73,8 +81,7 @@ impl Builder {
             bricks: Vec::new(),
             masks: Vec::new(),
             pairs: Vec::new(),
-            open: OpenRuns::new(),
-            runs: Vec::new(),
+            sums: CellSums::default(),
             last: (IVec3::splat(-1), 0),
         }
     }
@@ -115,31 +122,40 @@ impl Builder {
     }
 
     /// What it holds, in pairs.
-    fn len(&self) -> usize {
-        self.pairs.len() + RUN_PAIRS * self.runs.len()
+    fn len(&self, sums: bool) -> usize {
+        let bricks = if sums { BRICK_PAIRS * self.bricks.len() } else { 0 };
+        self.pairs.len() + SUM_PAIRS * self.sums.len() + bricks
     }
 
     #[inline(always)]
-    fn sum(&mut self, cell: IVec3, piece: FlatPiece) {
-        if let Some(run) = self.open.add(cell, piece) {
-            self.push_run(run);
-        }
+    fn sum(&mut self, cell: IVec3, piece: &FlatPiece) {
+        let number = self.number(cell >> SHIFT);
+        self.sums.make_room(self.bricks.len());
+        let local = cell & (SIDE as i32 - 1);
+        let local = (local.x + SIDE as i32 * (local.y + SIDE as i32 * local.z)) as u32;
+        self.sums.add(number, local, &mut self.masks[number], piece);
     }
 
-    #[inline(never)]
-    fn push_run(&mut self, run: Run) {
-        let number = self.number(run.cell >> SHIFT);
-        self.runs.push((number as u32, run));
-    }
-
-    /// Sorts the pairs and the sums by brick.
-    fn finish(mut self, keeps_masks: bool, skipped: u64) -> Bins {
-        let open = std::mem::replace(&mut self.open, OpenRuns::new());
-        open.finish().for_each(|run| self.push_run(run));
+    /// Sorts everything by brick.
+    fn finish(self, skipped: u64) -> Bins {
         let (starts, items) = sorted(self.bricks.len(), self.pairs.iter().map(|&[number, t]| (number, t)));
-        let (run_starts, runs) = sorted(self.bricks.len(), self.runs.iter().copied());
-        let masks = if keeps_masks { self.masks } else { Vec::new() };
-        Bins { bricks: self.bricks, masks, starts, items, run_starts, runs, skipped }
+        let (sum_starts, sums) = if self.sums.len() == 0 {
+            (vec![0; self.bricks.len() + 1], Vec::new())
+        } else {
+            self.sums.sorted(&self.masks)
+        };
+        let (closed_starts, closed) = sorted(self.bricks.len(), self.sums.closed());
+        Bins {
+            bricks: self.bricks,
+            masks: self.masks,
+            starts,
+            items,
+            sum_starts,
+            sums,
+            closed_starts,
+            closed,
+            skipped,
+        }
     }
 }
 
@@ -177,6 +193,7 @@ pub(crate) fn bin(
     let marks_one = !job.needs_fragments && job.coverage == Coverage::Exact;
     let mut last_one = None;
     let flat = if job.coverage == Coverage::Exact { Face::flat(job, chunk.mesh) } else { None };
+    let mut cutter = Cutter::default();
     let mut skipped = 0;
     let mut counted = 0;
     for number in chunk.triangles.clone() {
@@ -197,8 +214,7 @@ pub(crate) fn bin(
         }
         let reach = reach.cells();
         if let Some(face) = &flat
-            && (reach.high - reach.low).element_sum() <= 1
-            && sum_small(job, &mut builder, &cells, face, (chunk.mesh, number), reach)
+            && sum_flat(job, &mut builder, &mut cutter, &cells, face, (chunk.mesh, number), reach)
         {
             continue;
         }
@@ -220,54 +236,49 @@ pub(crate) fn bin(
             coverage::walk(Coverage::Exact, &coarse, &bricks, &mut |brick| builder.push(brick, number));
         }
         // Counted now and then, since one triangle may have a hundred thousand bricks.
-        if builder.len() - counted > 4096 {
-            let new = (builder.len() - counted) as u64;
-            counted = builder.len();
+        let len = builder.len(flat.is_some());
+        if len - counted > 4096 {
+            let new = (len - counted) as u64;
+            counted = len;
             if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
                 return None;
             }
         }
     }
-    let new = (builder.len() - counted) as u64;
+    let new = (builder.len(flat.is_some()) - counted) as u64;
     if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
         return None;
     }
-    Some(builder.finish(!job.needs_fragments, skipped))
+    Some(builder.finish(skipped))
 }
 
-/// Sums a triangle of one or two cells, if it is flat.
+/// Sums a triangle that reaches few bricks, if it is flat. Which triangles these are does not depend on the slab, so that
+/// neither do the bits of the sums.
 #[inline(always)]
-fn sum_small(
+fn sum_flat(
     job: &Job<'_>,
     builder: &mut Builder,
+    cutter: &mut Cutter,
     cells: &CellBox,
     face: &Face<'_>,
     (mesh, number): (usize, u32),
     reach: CellBox,
 ) -> bool {
-    let triangle = job.triangle(mesh, number, reach);
-    let normal = triangle.normal();
-    let Some((direction, is_doubled_area)) = face.direction_of(number, normal, job.asked.normal) else {
+    let bricks = reach.coarser(SHIFT);
+    if (bricks.high - bricks.low + 1).element_product() > FEW_BRICKS {
         return false;
-    };
-    let all = 0.5 * normal.length();
-    let area_normal = direction * if is_doubled_area { 0.5 } else { all };
-    let CellBox { low, high } = reach;
-    if low == high {
-        if cells.contains(low) {
-            builder.sum(low, FlatPiece::new(all, area_normal, direction));
-        }
+    }
+    if reach.intersection(cells).is_empty() {
         return true;
     }
-    let step = high - low;
-    let axis = usize::from(step.y == 1) + 2 * usize::from(step.z == 1);
-    let boundary = f64::from(high[axis]);
-    let [a, b, c] = triangle.corners;
-    let above = share_above(a[axis] - boundary, b[axis] - boundary, c[axis] - boundary);
-    for (cell, share) in [(low, 1.0 - above), (high, above)] {
+    let triangle = job.triangle(mesh, number, reach);
+    let normal = triangle.normal();
+    let Some(direction) = face.direction_of(number, normal, job.asked.normal) else { return false };
+    let grid = CellBox::of_grid(job.dims());
+    cutter.cut(&triangle, FlatFace::new(normal, direction), &grid, |cell, piece| {
         if cells.contains(cell) {
-            builder.sum(cell, FlatPiece::new(share * all, share * area_normal, direction));
+            builder.sum(cell, piece);
         }
-    }
+    });
     true
 }

@@ -4,19 +4,24 @@ use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
 use crate::areas::Areas;
-use crate::channels::{Accumulator, FlatPiece, Fragment, Values};
+use crate::cell_sums::{self, Closed, FlatFace, MERGED};
+use crate::channels::{Accumulator, FlatPiece, FlatWriter, Fragment, Values};
 use crate::coverage::{self, CellBox, Coverage, Triangle};
 use crate::fragment::{self, Piece};
 use crate::job::Job;
-use crate::runs::Run;
-use crate::sparse::{Mask, SHIFT, SIDE};
+use crate::sparse::{CELLS, Mask, SHIFT, SIDE};
 use crate::surface::Face;
 
 /// Triangles of one mesh in one brick, and sums of others.
+#[derive(Clone, Copy)]
 pub(crate) struct Batch<'a> {
     pub(crate) mesh: usize,
     pub(crate) triangles: &'a [u32],
-    pub(crate) runs: &'a [Run],
+    /// Cells that are marked already.
+    pub(crate) mask: &'a Mask,
+    /// Their sums, if there are any.
+    pub(crate) sums: &'a [FlatPiece],
+    pub(crate) closed: &'a [Closed],
 }
 
 /// A brick with more triangles than this is shared among threads.
@@ -28,9 +33,12 @@ pub(crate) struct Worker<'a> {
     sums: Accumulator<'a>,
     values: Vec<[f32; 4]>,
     fixed: Vec<[i64; 4]>,
-    /// Mesh and material of the flat triangles that are being summed.
-    constants: Option<(usize, usize)>,
+    /// Material of the flat triangles that are being summed.
+    constants: Option<usize>,
     areas: Areas,
+    /// Sums of a brick from several chunks.
+    merged: Vec<FlatPiece>,
+    writer: FlatWriter,
 }
 
 impl<'a> Worker<'a> {
@@ -44,10 +52,12 @@ impl<'a> Worker<'a> {
             fixed: vec![[0; 4]; count],
             constants: None,
             areas: Areas::default(),
+            merged: vec![FlatPiece::NOTHING; CELLS],
+            writer: FlatWriter::default(),
         }
     }
 
-    /// Marks the cells of a brick in `mask` and appends the values of all that are marked.
+    /// Marks the cells of a brick in `mask`, beside those that are, and appends the values of all that are marked.
     pub(crate) fn brick(
         &mut self,
         brick: UVec3,
@@ -55,6 +65,9 @@ impl<'a> Worker<'a> {
         mask: &mut Mask,
         results: &mut [Values],
     ) {
+        if let Some(face) = self.one_face(batches) {
+            return self.write_sums(&face, batches, mask, results);
+        }
         let count: usize = batches.iter().map(|batch| batch.triangles.len()).sum();
         if count > 2 * SHARE {
             self.shared(brick, batches, mask);
@@ -73,19 +86,55 @@ impl<'a> Worker<'a> {
         }
     }
 
+    /// What the faces of a brick have in common that holds nothing but sums of flat triangles, all of one material.
+    fn one_face(&self, batches: &[Batch<'_>]) -> Option<Face<'a>> {
+        let is_summed = |batch: &Batch<'_>| {
+            !batch.sums.is_empty() && batch.closed.is_empty() && batch.triangles.is_empty()
+        };
+        let (first, rest) = batches.split_first()?;
+        if !batches.iter().all(is_summed) || batches.len() > MERGED {
+            return None;
+        }
+        let face = Face::flat(self.job, first.mesh)?;
+        let is_alike = |batch: &Batch<'_>| {
+            batch.mesh == first.mesh
+                || Face::flat(self.job, batch.mesh).is_some_and(|other| other.constants() == face.constants())
+        };
+        rest.iter().all(is_alike).then_some(face)
+    }
+
+    /// Appends the values of such a brick.
+    fn write_sums(&mut self, face: &Face<'_>, batches: &[Batch<'_>], mask: &Mask, results: &mut [Values]) {
+        let Self { job, fixed, merged, writer, .. } = self;
+        face.shade_flat(job.channels, fixed);
+        if let [batch] = batches {
+            return writer.write(job.channels, fixed, batch.sums.iter(), results);
+        }
+        let mut seen: Mask = [0; SIDE as usize];
+        for batch in batches {
+            for (cell, sum) in cell_sums::cells(batch.mask).zip(batch.sums) {
+                if seen[cell >> 6] >> (cell & 63) & 1 == 1 {
+                    merged[cell].add(sum);
+                } else {
+                    merged[cell] = *sum;
+                }
+            }
+            seen.iter_mut().zip(batch.mask).for_each(|(a, b)| *a |= b);
+        }
+        let merged = &*merged;
+        writer.write(job.channels, fixed, cell_sums::cells(mask).map(|cell| &merged[cell]), results);
+    }
+
     /// Many triangles, in parts that go to threads; sums are integers, so that it does not matter which.
     fn shared(&mut self, brick: UVec3, batches: &[Batch<'_>], mask: &mut Mask) {
-        for batch in batches.iter().filter(|batch| !batch.runs.is_empty()) {
+        for batch in batches.iter().filter(|batch| !batch.sums.is_empty()) {
             self.batch(brick, &Batch { triangles: &[], ..*batch }, mask);
         }
         let parts: Vec<Batch<'_>> = batches
             .iter()
             .flat_map(|batch| {
-                batch.triangles.chunks(SHARE).map(|triangles| Batch {
-                    mesh: batch.mesh,
-                    triangles,
-                    runs: &[],
-                })
+                let triangles = batch.triangles.chunks(SHARE);
+                triangles.map(|triangles| Batch { triangles, sums: &[], closed: &[], ..*batch })
             })
             .collect();
         // Groups of parts, so that small batches do not each bring sums of their own.
@@ -112,11 +161,11 @@ impl<'a> Worker<'a> {
         let cells = CellBox { low, high: low + (SIDE as i32 - 1) };
         let cells = cells.intersection(&CellBox::of_grid(self.job.dims()));
         let flat = Face::flat(self.job, batch.mesh);
-        if let (Some(face), false) = (&flat, batch.runs.is_empty()) {
+        if let (Some(face), false) = (&flat, batch.sums.is_empty()) {
             self.begin_flat(face);
-            for run in batch.runs {
-                self.sums.add_flat(mark(mask, &cells, run.cell), &run.sum);
-            }
+            let sums = cell_sums::cells(batch.mask).zip(batch.sums);
+            sums.for_each(|(cell, sum)| self.sums.add_flat(cell, sum));
+            batch.closed.iter().for_each(|closed| self.sums.add_flat(closed.cell as usize, &closed.sum));
         }
         for &number in batch.triangles {
             if self.job.needs_fragments {
@@ -201,37 +250,22 @@ impl<'a> Worker<'a> {
         cells: &CellBox,
         triangle: &Triangle,
         normal: DVec3,
-        (direction, is_doubled_area): (DVec3, bool),
+        direction: (DVec3, bool),
         mask: &mut Mask,
     ) {
-        let length = normal.length();
-        if self.job.coverage == Coverage::Exact && triangle.reach.low == triangle.reach.high {
-            let area = 0.5 * length;
-            let area_normal = direction * if is_doubled_area { 0.5 } else { area };
-            if cells.contains(triangle.reach.low) {
-                let cell = mark(mask, cells, triangle.reach.low);
-                self.sums.add_flat(cell, &FlatPiece::new(area, area_normal, direction));
-            }
-            return;
-        }
-        let per_area = match is_doubled_area {
-            true if length > 0.0 => direction * (1.0 / length),
-            true => DVec3::ZERO,
-            false => direction,
-        };
-        self.areas.begin(normal, length);
+        let face = FlatFace::new(normal, direction);
+        self.areas.begin(normal, face.length);
         let Self { job, areas, sums, .. } = self;
         match job.coverage {
             Coverage::Sampled => {
-                let area = areas.under_one_sample();
-                let piece = FlatPiece::new(area, area * per_area, direction);
+                let piece = face.piece(areas.under_one_sample());
                 coverage::walk(Coverage::Sampled, triangle, cells, &mut |cell| {
                     sums.add_flat(mark(mask, cells, cell), &piece);
                 });
             }
             // One place for the work on a cell: the walk has many where it finds one.
             exact_or_thin => coverage::walk(exact_or_thin, triangle, cells, &mut |cell| {
-                add_part(areas, sums, mask, (triangle, cells), cell, (per_area, direction));
+                add_part(areas, sums, mask, (triangle, cells), cell, &face);
             }),
         }
     }
@@ -245,10 +279,10 @@ fn add_part(
     mask: &mut Mask,
     (triangle, cells): (&Triangle, &CellBox),
     cell: IVec3,
-    (per_area, direction): (DVec3, DVec3),
+    face: &FlatFace,
 ) {
     let area = areas.in_cell(triangle, cell);
-    sums.add_flat(mark(mask, cells, cell), &FlatPiece::new(area, area * per_area, direction));
+    sums.add_flat(mark(mask, cells, cell), &face.piece(area));
 }
 
 /// Marks a cell of the brick whose first cell is `cells.low`, and returns its number in it.

@@ -9,12 +9,27 @@ use crate::boundary;
 use crate::job::Job;
 use crate::options::Stage;
 use crate::sparse::{BrickSet, Mask, SIDE, brick_index, brick_of};
-use crate::{SolidReport, VoxelizeError};
+use crate::{GridSpec, Model, SolidReport, SparseVolume, VoxelizeError, VoxelizeOptions};
 
 /// Bits with x = 0, and those with y = 0.
 const LOW_X: u64 = 0x0101_0101_0101_0101;
 const LOW_Y: u64 = 0xff;
 const FULL: Mask = [u64::MAX; SIDE as usize];
+
+impl SparseVolume {
+    /// Fills what the surface encloses, as [`VoxelizeOptions::solid`] does, in a volume that was made elsewhere. The holes are those of
+    /// `model`, which it was made of; of the options the limit of memory and the progress count.
+    ///
+    /// # Errors
+    /// As of [`voxelize`](crate::voxelize).
+    pub fn filled(self, model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Self, VoxelizeError> {
+        let grid = *self.grid();
+        let options = VoxelizeOptions { grid: GridSpec::Grid(grid), channels: Vec::new(), ..options.clone() };
+        let job = Job::new(model, &options, grid)?;
+        let (solid, found) = solid(&job, self.surface())?;
+        Ok(self.with_solid(solid, found))
+    }
+}
 
 /// The surface and all that it encloses.
 pub(crate) fn solid(job: &Job<'_>, surface: &BrickSet) -> Result<(BrickSet, SolidReport), VoxelizeError> {

@@ -18,6 +18,15 @@ fn cell_bytes(channels: &[Channel]) -> u64 {
     channels.iter().map(|c| (c.components * c.format.bytes()) as u64).sum()
 }
 
+/// Finds out whether the volume that [`voxelize`] would make fits into the memory allowed.
+///
+/// # Errors
+/// If it will not, with the numbers and about the largest grid that would, or if the grid is impossible.
+pub fn check_memory(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<(), VoxelizeError> {
+    let grid = options.grid.fit(&options.bounds.unwrap_or_else(|| model.bounds()))?;
+    check(model, options, &grid)
+}
+
 /// An error if the volume of a grid will not fit into the memory allowed. Small grids are not looked at.
 pub(crate) fn check(
     model: &Model<'_>,

@@ -139,9 +139,9 @@ impl<'a> Face<'a> {
         unit(self.direction().0)
     }
 
-    /// What values that do not vary depend on, beside the normal.
-    pub(crate) fn constants(&self) -> (usize, usize) {
-        (self.mesh, self.material_number)
+    /// What the colours of flat faces depend on.
+    pub(crate) fn constants(&self) -> usize {
+        self.material_number
     }
 
     /// Fills in the values of all channels, and the same in fixed point. False, with nothing filled in, in the holes of

@@ -58,20 +58,14 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
     report.skipped_triangles =
         slab(&job, &chunks, &CellBox { low: IVec3::ZERO, high: bricks - 1 }, &mut all)?;
     let surface = BrickSet::new(grid.dims, all.bricks, all.masks);
-    let channels: Vec<ChannelData> = job
-        .channels
-        .iter()
-        .zip(all.values)
-        .map(|(channel, values)| ChannelData::new(channel, values))
-        .collect();
-    let solid = if options.solid {
-        let (solid, found) = fill::solid(&job, &surface)?;
-        report.solid = Some(found);
-        Some(solid)
-    } else {
-        None
-    };
-    Ok(SparseVolume::new(grid, surface, solid, channels, report))
+    let channels = job.channels.iter().zip(all.values);
+    let channels = channels.map(|(channel, values)| ChannelData::new(channel, values)).collect();
+    let filled = if options.solid { Some(fill::solid(&job, &surface)?) } else { None };
+    let volume = SparseVolume::new(grid, surface, None, channels, report);
+    Ok(match filled {
+        Some((solid, found)) => volume.with_solid(solid, found),
+        None => volume,
+    })
 }
 
 /// Finished bricks in the order of their index.
@@ -157,7 +151,7 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
     while end < rest.len() {
         let segment = rest[end];
         let bins = &bins[segment.chunk as usize];
-        work += 8 + bins.items(segment.number).len() + bins.runs(segment.number).len() / 4;
+        work += 8 + bins.items(segment.number).len() + bins.sums(segment.number).len() / 8;
         end += 1;
         let is_last = rest.get(end).is_none_or(|next| next.brick != segment.brick);
         if is_last && (work >= TASK || end == rest.len()) {
@@ -192,12 +186,12 @@ fn packet(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], segments: &[Segment]) 
         let mut batches = Vec::with_capacity(same_brick.len());
         for segment in same_brick {
             let bins = &bins[segment.chunk as usize];
-            if let Some(marked) = bins.masks.get(segment.number as usize) {
-                mask.iter_mut().zip(marked).for_each(|(a, b)| *a |= b);
-            }
-            let (triangles, runs) = (bins.items(segment.number), bins.runs(segment.number));
-            if !triangles.is_empty() || !runs.is_empty() {
-                batches.push(Batch { mesh: chunks[segment.chunk as usize].mesh, triangles, runs });
+            let marked = &bins.masks[segment.number as usize];
+            mask.iter_mut().zip(marked).for_each(|(a, b)| *a |= b);
+            let (triangles, sums) = (bins.items(segment.number), bins.sums(segment.number));
+            if !triangles.is_empty() || !sums.is_empty() {
+                let (mesh, closed) = (chunks[segment.chunk as usize].mesh, bins.closed(segment.number));
+                batches.push(Batch { mesh, triangles, mask: marked, sums, closed });
             }
         }
         let brick = same_brick[0].brick;

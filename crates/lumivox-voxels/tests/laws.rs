@@ -179,7 +179,7 @@ fn lists_that_fit_only_slab_by_slab_change_nothing() {
     };
     let all_at_once = voxelize(&model, &options).unwrap();
     let once = binned.swap(0, Ordering::Relaxed);
-    options.memory_limit = 150_000;
+    options.memory_limit = 400_000;
     assert_same_bits(&all_at_once, &voxelize(&model, &options).unwrap());
     // Two halves at least, and what was given up.
     assert!(binned.load(Ordering::Relaxed) > 2 * once, "was it split at all?");

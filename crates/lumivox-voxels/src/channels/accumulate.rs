@@ -7,21 +7,13 @@
 //! with it when another colour comes or the cell is taken, which gives the same sums. Of their normal only the direction
 //! of the mean counts, so that area and normal need not be taken apart: half the product of two edges is both.
 
-use std::cmp::Ordering;
-
 use glam::{DVec3, Vec3};
 
+use super::flat::FlatPiece;
+use super::lane::{FARTHEST, Lane, goes_before};
+use super::numbers::{CANCELLED, VALUE_STEPS, WEIGHT_UNITS, to_f64};
 use super::{Channel, Rule, Source, Values};
 use crate::sparse::{CELLS, Mask, SIDE};
-
-/// Units of weight in one cell face.
-const WEIGHT_UNITS: f64 = (1u64 << 22) as f64;
-/// Steps of a value in one.
-const VALUE_STEPS: f64 = (1u64 << 32) as f64;
-/// Unit normals whose mean is shorter than this cancel each other.
-const CANCELLED: f64 = 1e-6;
-/// The largest value that sums and averages see.
-const VALUE_LIMIT: f64 = (1u64 << 30) as f64;
 
 /// What has to be known of a fragment, so that nobody computes the rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,19 +35,6 @@ impl Parts {
     }
 }
 
-/// Whether triangles that are alike all over can be summed by [`Accumulator::add_flat`].
-pub(crate) fn takes_flat(channels: &[Channel]) -> bool {
-    let takes = |channel: &Channel| {
-        channel.rule == Rule::Average
-            && match channel.source {
-                Source::Albedo | Source::Emission => !channel.unit,
-                Source::Normal => channel.unit,
-                Source::Area | Source::Custom(_) => false,
-            }
-    };
-    !channels.is_empty() && channels.iter().all(takes)
-}
-
 /// One piece of surface in one cell, and its values in each channel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fragment<'a> {
@@ -67,88 +46,8 @@ pub(crate) struct Fragment<'a> {
     pub(crate) distance: f32,
     /// Values per channel.
     pub(crate) values: &'a [[f32; 4]],
-    /// The same as [`fixed`] makes them.
+    /// The same as [`fixed`](super::fixed) makes them.
     pub(crate) fixed: &'a [[i64; 4]],
-}
-
-/// The first components in fixed point.
-#[inline]
-pub(crate) fn fixed(values: [f32; 4], components: usize) -> [i64; 4] {
-    let mut fixed = [0; 4];
-    for (fixed, &value) in fixed.iter_mut().zip(&values).take(components) {
-        // `as` takes NaN to zero.
-        *fixed = (f64::from(value).clamp(-VALUE_LIMIT, VALUE_LIMIT) * VALUE_STEPS) as i64;
-    }
-    fixed
-}
-
-/// The sums of one channel.
-#[derive(Clone, Debug)]
-enum Lane {
-    Average(Vec<i128>),
-    Sum(Vec<i128>),
-    Maximum(Vec<f32>),
-    Nearest(Vec<(f32, [f32; 4])>),
-}
-
-const FARTHEST: (f32, [f32; 4]) = (f32::INFINITY, [f32::NEG_INFINITY; 4]);
-
-impl Lane {
-    fn new(channel: &Channel) -> Self {
-        let numbers = CELLS * channel.components;
-        match channel.rule {
-            Rule::Average => Self::Average(vec![0; numbers]),
-            Rule::Sum => Self::Sum(vec![0; numbers]),
-            Rule::Maximum => Self::Maximum(vec![f32::NEG_INFINITY; numbers]),
-            Rule::Nearest => Self::Nearest(vec![FARTHEST; CELLS]),
-        }
-    }
-}
-
-/// Whether `a` goes before `b`: nearer, or as near and larger.
-fn goes_before(a: &(f32, [f32; 4]), b: &(f32, [f32; 4])) -> bool {
-    let by_values = || (0..4).map(|i| b.1[i].total_cmp(&a.1[i])).find(|o| o.is_ne());
-    a.0.total_cmp(&b.0).then_with(|| by_values().unwrap_or(Ordering::Equal)).is_lt()
-}
-
-/// Pieces of flat triangles, as sums see them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FlatPiece {
-    /// Areas in steps of weights.
-    pub(crate) weight: u64,
-    /// Areas times unit normals, in steps of weights times steps of values.
-    normal: [i64; 3],
-}
-
-impl FlatPiece {
-    pub(crate) const NOTHING: Self = Self { weight: 0, normal: [0; 3] };
-
-    /// A piece with its area times the unit normal, and anything that points like the normal.
-    #[inline(always)]
-    pub(crate) fn new(area: f64, area_normal: DVec3, direction: DVec3) -> Self {
-        // Room for more digits than the integers of one step have.
-        const COARSE: u32 = 5;
-        let weight = integer(area * WEIGHT_UNITS);
-        if weight <= 0 {
-            return Self::dust(direction);
-        }
-        let steps = area_normal * (WEIGHT_UNITS * VALUE_STEPS / f64::from(1 << COARSE));
-        let normal = [steps.x, steps.y, steps.z].map(|v| integer(v) << COARSE);
-        Self { weight: weight as u64, normal }
-    }
-
-    /// A piece with hardly any area.
-    #[cold]
-    fn dust(direction: DVec3) -> Self {
-        let [x, y, z, _] = fixed(unit(direction).extend(0.0).to_array(), 3);
-        Self { weight: 1, normal: [x, y, z] }
-    }
-
-    #[inline(always)]
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.weight += other.weight;
-        self.normal.iter_mut().zip(other.normal).for_each(|(a, b)| *a += b);
-    }
 }
 
 /// The sums of all channels in the cells of one brick.
@@ -184,7 +83,7 @@ impl<'a> Accumulator<'a> {
         }
     }
 
-    /// The values of flat triangles from now on, as [`fixed`] makes them; normals aside.
+    /// The values of flat triangles from now on, as [`fixed`](super::fixed) makes them; normals aside.
     pub(crate) fn set_flat(&mut self, values: &[[i64; 4]]) {
         self.settle();
         self.flat.copy_from_slice(values);
@@ -350,40 +249,10 @@ impl<'a> Accumulator<'a> {
     }
 }
 
-/// Most sums fit into 64 bits, whose conversion is an instruction and not a call.
-#[inline]
-fn to_f64(sum: i128) -> f64 {
-    // Not inlined, or the compiler finds the two to be one.
-    #[cold]
-    #[inline(never)]
-    fn large(sum: i128) -> f64 {
-        sum as f64
-    }
-    let low = sum as i64;
-    if i128::from(low) == sum { low as f64 } else { large(sum) }
-}
-
-/// The nearest integer of what is less than 2^51 from zero, in one addition and without a check for more.
-#[inline]
-fn integer(v: f64) -> i64 {
-    const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
-    ((v + MAGIC).to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64)
-}
-
-/// Unit length in f32; zero for what has no direction. Largest component first: squares of tiny triangles underflow.
-pub(crate) fn unit(v: DVec3) -> Vec3 {
-    let largest = v.abs().max_element();
-    if largest > 0.0 && largest.is_finite() {
-        (v / largest).normalize_or_zero().as_vec3()
-    } else {
-        Vec3::ZERO
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::channels::Format;
+    use crate::channels::{Format, fixed};
 
     fn channels() -> Vec<Channel> {
         [Rule::Average, Rule::Sum, Rule::Maximum, Rule::Nearest]

@@ -2,13 +2,18 @@
 //! stored.
 
 mod accumulate;
+mod flat;
+mod lane;
+mod numbers;
 mod values;
 
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
 
-pub(crate) use accumulate::{Accumulator, FlatPiece, Fragment, Parts, fixed, takes_flat, unit};
+pub(crate) use accumulate::{Accumulator, Fragment, Parts};
+pub(crate) use flat::{FlatPiece, FlatWriter, takes_flat};
+pub(crate) use numbers::{fixed, unit};
 pub use values::{Format, Values};
 
 /// One piece of surface in one cell, as channels see it.

@@ -1,6 +1,7 @@
 //! Numbers of a channel as they are stored.
 
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 /// How a channel's numbers are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +92,18 @@ impl Values {
         match self {
             Self::U8(v) => v.extend(values.iter().map(|&value| encode_u8(value, range))),
             Self::F16(v) => {
-                v.extend(values.iter().map(|value| f16::from_f32(value.clamp(-65504.0, 65504.0))));
+                // Many at once where the processor can.
+                let mut cut_off = [0.0; 96];
+                for values in values.chunks(cut_off.len()) {
+                    let cut_off = &mut cut_off[..values.len()];
+                    cut_off
+                        .iter_mut()
+                        .zip(values)
+                        .for_each(|(to, value)| *to = value.clamp(-65504.0, 65504.0));
+                    let start = v.len();
+                    v.resize(start + values.len(), f16::ZERO);
+                    v[start..].convert_from_f32_slice(cut_off);
+                }
             }
             Self::F32(v) => v.extend_from_slice(values),
         }

@@ -10,9 +10,10 @@ use glam::{UVec3, Vec3, Vec4};
 use lumivox_core::{Grid, HostVolume};
 
 pub(crate) use bricks::{BrickSet, CELLS, Mask, SHIFT, SIDE, brick_index, brick_of, bricks_along};
+pub use dense::SparseBuilder;
 pub(crate) use directory::Directory;
 
-use crate::{Channel, Rule, Values, VoxelizeReport};
+use crate::{Channel, Rule, SolidReport, Values, VoxelizeReport};
 
 /// One channel of a volume.
 #[derive(Clone, Debug)]
@@ -107,6 +108,18 @@ impl SparseVolume {
         report: VoxelizeReport,
     ) -> Self {
         Self { grid, surface, solid, channels, report }
+    }
+
+    /// The volume with filled cells.
+    pub(crate) fn with_solid(mut self, solid: BrickSet, found: SolidReport) -> Self {
+        self.solid = Some(solid);
+        self.report.solid = Some(found);
+        self
+    }
+
+    /// The cells of the surface.
+    pub(crate) fn surface(&self) -> &BrickSet {
+        &self.surface
     }
 
     /// The cells' grid.
