@@ -35,6 +35,7 @@
 mod bounce;
 mod direct;
 mod dispatch;
+mod given_subcells;
 mod glossy;
 mod lattice;
 mod mask;
@@ -121,6 +122,7 @@ struct Passes {
     give: surfels::Surfels,
     dispatch: dispatch::Dispatch,
     direct: direct::Direct,
+    given_subcells: given_subcells::GivenSubcells,
     view_subcells: view_subcells::ViewSubcells,
     trace: trace::Trace,
     sky_light: sky_light::SkyLight,
@@ -207,6 +209,7 @@ impl GatheredLight {
                 give: surfels::Surfels::new(gpu, false),
                 dispatch: dispatch::Dispatch::new(gpu),
                 direct: direct::Direct::new(gpu),
+                given_subcells: given_subcells::GivenSubcells::new(gpu),
                 view_subcells: view_subcells::ViewSubcells::new(gpu),
                 trace: trace::Trace::new(gpu),
                 sky_light: sky_light::SkyLight::new(gpu),
@@ -501,6 +504,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         mask::SHADER,
         surfels::SHADER,
         direct::SHADER,
+        given_subcells::SHADER,
         view_subcells::CLEANUP,
         view_subcells::INJECTION,
         dispatch::SHADER,

@@ -1,7 +1,7 @@
 // Group 0: a bit per cell, and sums of 32-bit integers that do not depend on the order of additions.
 
 struct WindowUniform {
-    // Cells whose sums there is room for: the first, and how many.
+    // Cells whose sums there is room for: the first, counted from `base`, and how many.
     first: u32,
     count: u32,
     // Only triangles that face this axis most; 3 for all.
@@ -9,6 +9,8 @@ struct WindowUniform {
     // The layers of cells that it reaches.
     first_layer: u32,
     last_layer: u32,
+    // The first cell that occupancy and volume hold. (Larger grids than 32 bits can count wrap, and differences do not.)
+    base: u32,
 }
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
@@ -16,7 +18,12 @@ struct WindowUniform {
 @group(0) @binding(2) var<storage, read_write> occupancy: array<atomic<u32>>;
 @group(0) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 
-fn lv_occupy(cell: u32) {
+fn lv_in_window(cell: u32) -> bool {
+    return cell - window.base - window.first < window.count;
+}
+
+fn lv_occupy(cell_of_grid: u32) {
+    let cell = cell_of_grid - window.base;
     let bit = 1u << (cell % 32u);
     // Most cells are marked more than once, and reading is cheaper.
     if (atomicLoad(&occupancy[cell / 32u]) & bit) == 0u {

@@ -7,6 +7,7 @@ struct WindowUniform {
     // The layers of cells that it reaches.
     first_layer: u32,
     last_layer: u32,
+    base: u32,
 }
 
 @group(0) @binding(0) var<uniform> window: WindowUniform;

@@ -30,7 +30,8 @@
 //! | [`slicemap`] | one copy for each direction | sampled along one axis or each | occupancy alone, gaps allowed |
 //!
 //! **Windows.** The sums of a cell take up to eight bytes a number, and a binding of core WebGPU holds 128 MiB. Grids whose sums
-//! are larger are done in windows of cells, one pass over the triangles each, with the same result.
+//! are larger are done in windows of cells, one pass over the triangles each, with the same result. Grids whose cells are too many for
+//! one binding are done in slabs of layers, one recording each ([`Voxelizer::for_slabs`]).
 //!
 //! **Limits.** Arithmetic is in single precision: cells are those of exact arithmetic as long as no corner of a triangle
 //! lies more than some 500 cells away; one at 10,000 cells moves edges by up to a thousandth of a cell. A mesh that is turned or scaled is as
@@ -44,6 +45,7 @@ pub mod slicing;
 
 mod channel;
 mod error;
+mod interleaved;
 mod layer;
 mod lights;
 mod mesh;
@@ -58,12 +60,13 @@ use crate::volume::Format;
 
 pub use channel::{Channel, Rule, SurfaceFunction};
 pub use error::VoxelizeError;
+pub use interleaved::Interleaved;
 pub use layer::{Layer, WindowUniform};
 pub use lights::{LightChannels, MAX_VOXEL_LIGHTS, VoxelLight, VoxelLights};
 pub use mesh::{BATCH_TRIANGLES, BatchUniform, Material, Mesh, MeshDescriptor, MeshUniform};
 pub use method::{Coverage, Directions, Method, Options};
 pub use views::{IndexView, VertexView};
-pub use voxelizer::{Interleaved, Voxelizer};
+pub use voxelizer::Voxelizer;
 
 /// The most that all channels of a cell may take: the papers' eight targets of four floats.
 pub const MAX_CELL_BITS: u64 = 1024;

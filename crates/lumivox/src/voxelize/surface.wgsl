@@ -267,7 +267,7 @@ const LV_TOUCH: f32 = 1e-4;
 // Group 0's side of a method: what a marked cell takes from a triangle.
 fn lv_fragment(t: LvTriangle, local: vec3i) {
     let cell = cell_index(grid, vec3u(lv_turned_back_i(local + t.origin, t.facing)));
-    if cell < window.first || cell - window.first >= window.count {
+    if !lv_in_window(cell) {
         return;
     }
     if LV_IS_BARE && LV_IS_PLAIN && LV_SHIFT == 0.0 {

@@ -96,7 +96,7 @@ impl Layout {
         out.push_str("fn lv_accumulate(s: SurfacePoint, area: f32, square_distance: f32) {\n");
         let is_used = |c: &Channel| phase == Phase::Sums || c.rule == Rule::Nearest;
         if self.words > 0 {
-            let _ = writeln!(out, "    let at = (s.cell - window.first) * {}u;", self.words);
+            let _ = writeln!(out, "    let at = (s.cell - window.base - window.first) * {}u;", self.words);
         }
         if self.has(Rule::Nearest) {
             let _ = writeln!(out, "    let nearness = lv_nearness(square_distance);");

@@ -1,5 +1,7 @@
 //! From meshes to a volume: the passes around a method.
 
+use std::ops::Range;
+
 use super::layer::{Layer, Windows};
 use super::method::{self, Job, Options, Stages};
 use super::text::{Layout, OUTPUT_NAMES, Phase, RESOLVE_OUTPUTS, merge_text, resolve_text};
@@ -13,6 +15,8 @@ use lumivox_core::Grid;
 #[derive(Debug)]
 pub struct Voxelizer {
     grid: Grid,
+    /// Of the volumes that are filled: the first slab of layers.
+    slab: Grid,
     layout: Layout,
     windows: Windows,
     /// One for each phase.
@@ -47,16 +51,34 @@ impl Voxelizer {
         channels: &[Channel],
         options: &Options,
     ) -> Result<Self, VoxelizeError> {
+        Self::for_slabs(gpu, grid, grid.dims.z, channels, options)
+    }
+
+    /// As [`Self::new`], for a slab of `layers` along z at a time, the first ones at first: for grids that do not fit the device as a
+    /// whole. Room and volumes are those of one slab, and [`Self::move_to_layer`] goes on to the next. The cells are those of the
+    /// whole grid, however it is cut.
+    ///
+    /// # Errors
+    /// As [`Self::new`], of a slab.
+    pub fn for_slabs(
+        gpu: &Gpu,
+        grid: Grid,
+        layers: u32,
+        channels: &[Channel],
+        options: &Options,
+    ) -> Result<Self, VoxelizeError> {
+        let layers = layers.clamp(1, grid.dims.z);
+        let slab = Grid { dims: grid.dims.with_z(layers), ..grid };
         let face = grid.cell_size * grid.cell_size;
         let channels = channels.iter().map(|c| c.clone().fitted(face));
         let channels: Vec<Channel> = channels.collect();
         super::channel::check(&channels)?;
         method::check(&grid, &channels, options)?;
         for channel in &channels {
-            crate::volume::check_grid(gpu, "a volume channel", &grid, channel.format.bytes())?;
+            crate::volume::check_grid(gpu, "a volume channel", &slab, channel.format.bytes())?;
         }
         let layout = Layout::new(&channels);
-        let windows = Windows::new(gpu, &grid, &layout)?;
+        let windows = Windows::new(gpu, &grid, 0..layers, &layout)?;
         let mut stages = vec![method::stages(gpu, &grid, &layout, options, Phase::Sums)?];
         if layout.has(Rule::Nearest) {
             stages.push(method::stages(gpu, &grid, &layout, options, Phase::Nearest)?);
@@ -65,6 +87,7 @@ impl Voxelizer {
         let resolve = parts.map(|part| GeneratedPass::new(gpu, &resolve_text(&layout, part)));
         Ok(Self {
             grid,
+            slab,
             stages,
             resolve: resolve.collect::<Result<_, _>>()?,
             merge: GeneratedPass::new(gpu, &merge_text(&layout))?,
@@ -89,6 +112,18 @@ impl Voxelizer {
         &self.grid
     }
 
+    /// The layers of cells along z that a recording fills the volume with: all of the grid, or a slab.
+    pub fn layers(&self) -> Range<u32> {
+        self.windows.layers.clone()
+    }
+
+    /// Goes on to the slab of layers that begins with `first`, from the next submission on: what was recorded for another slab must
+    /// have been submitted. What the volume holds beyond the grid's last layer stays empty.
+    pub fn move_to_layer(&mut self, gpu: &Gpu, first: u32) {
+        let first = first.min(self.grid.dims.z - 1);
+        self.windows.move_to(gpu, first..self.grid.dims.z.min(first + self.slab.dims.z));
+    }
+
     /// How many passes over the triangles one recording takes: one for each window of cells whose sums fit the device, and as
     /// many again if a channel's rule is [`Rule::Nearest`].
     pub fn triangle_passes(&self) -> usize {
@@ -96,21 +131,22 @@ impl Voxelizer {
     }
 
     /// A volume of the channels, each kept once. Any other volume over the same grid will do that has channels of these names and
-    /// as many words a cell, for example one made by [`VolumeBuffer::new`].
+    /// as many words a cell, for example one made by [`VolumeBuffer::new`]. For slabs, its grid is that of the first; it serves for all.
     pub fn volume(&self, gpu: &Gpu) -> Result<VolumeBuffer, GpuError> {
         let formats: Vec<ChannelFormat> = self.layout.channels.iter().map(|c| c.format.clone()).collect();
-        VolumeBuffer::with_formats(gpu, self.grid, &formats)
+        VolumeBuffer::with_formats(gpu, self.slab, &formats)
     }
 
-    /// The cells that the last recording marked: bit `i % 32` of word `i / 32` for the cell of index `i`.
+    /// The cells that the last recording marked: bit `i % 32` of word `i / 32` for the cell of index `i`, counted from the first cell
+    /// of the slab.
     pub fn occupancy(&self) -> &Buffer {
         &self.working.occupancy
     }
 
-    /// Which cells the last recording marked, in the order of [`Grid::index`]. Waits; not for use inside a frame.
+    /// Which cells of the slab the last recording marked, in the order of [`Grid::index`]. Waits; not for use inside a frame.
     pub fn read_occupancy(&self, gpu: &Gpu) -> Result<Vec<bool>, GpuError> {
         let words: Vec<u32> = crate::gpu::read_buffer(gpu, self.occupancy())?;
-        let cells = self.grid.cell_count() as usize;
+        let cells = self.slab.cell_count() as usize;
         Ok((0..cells).map(|i| words[i / 32] >> (i % 32) & 1 == 1).collect())
     }
 
@@ -147,7 +183,7 @@ impl Voxelizer {
         self.record_layer_axis(gpu, encoder, meshes, layer, None)
     }
 
-    fn record_layer_axis(
+    pub(super) fn record_layer_axis(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -189,23 +225,6 @@ impl Voxelizer {
         Ok(())
     }
 
-    /// Voxelizes the triangles of one axis alone, the next one in each call, and makes the volume of these and of what earlier
-    /// calls found for the two other axes. So it takes a third of the time, and the third call has seen everything.
-    pub fn record_interleaved(
-        &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        meshes: &[&Mesh],
-        interleaved: &mut Interleaved,
-        volume: &mut VolumeBuffer,
-    ) -> Result<(), GpuError> {
-        let axis = interleaved.next;
-        self.record_layer_axis(gpu, encoder, meshes, &mut interleaved.layers[axis], Some(axis))?;
-        interleaved.next = (axis + 1) % 3;
-        let [x, y, z] = &interleaved.layers;
-        self.record_merge(gpu, encoder, &[x, y, z], volume)
-    }
-
     /// Adds what meshes mark to occupancy and sums.
     fn accumulate(
         &self,
@@ -233,7 +252,7 @@ impl Voxelizer {
         volume: &mut VolumeBuffer,
     ) -> Result<(), GpuError> {
         gpu.check()?;
-        if volume.grid() != &self.grid {
+        if volume.grid() != &self.slab {
             return Err(wrong("voxelize/resolve", "the volume is over another grid".to_owned()));
         }
         for Channel { format, .. } in &self.layout.channels {
@@ -296,21 +315,6 @@ impl Voxelizer {
         } else {
             Err(wrong("voxelize/merge", "the layer is of another voxelizer".to_owned()))
         }
-    }
-}
-
-/// Three layers, one for each axis, and whose turn it is: for [`Voxelizer::record_interleaved`].
-#[derive(Debug)]
-pub struct Interleaved {
-    layers: [Layer; 3],
-    next: usize,
-}
-
-impl Interleaved {
-    /// Three empty layers.
-    pub fn new(gpu: &Gpu, voxelizer: &Voxelizer) -> Result<Self, GpuError> {
-        let layers = [voxelizer.layer(gpu)?, voxelizer.layer(gpu)?, voxelizer.layer(gpu)?];
-        Ok(Self { layers, next: 0 })
     }
 }
 

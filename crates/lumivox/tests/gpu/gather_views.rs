@@ -1,4 +1,4 @@
-//! Gathered light and views: what a view lights, and which sub-cells it fills and clears.
+//! Gathered light and what it is given: what a view lights, and which sub-cells it fills and clears; sub-cells of other sources.
 
 use std::f32::consts::PI;
 
@@ -6,18 +6,19 @@ use libtest_mimic::Failed;
 use lumivox::core::View;
 use lumivox::gather::GatherSettings;
 use lumivox::glam::{DVec3, UVec2, UVec3, Vec2, Vec3};
-use lumivox::gpu::{AdapterChoice, Gpu, GpuError, Tier};
+use lumivox::gpu::{AdapterChoice, Buffer, Gpu, GpuError, Tier};
 use lumivox_oracle::closed_form;
 
 use crate::cells::Cells;
 use crate::gather::{Room, upload};
 use crate::picture::{Paint, Shape, Thing};
-use crate::support::{Shot, run};
+use crate::support::{Random, Shot, run};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
     ("gather: a view lights what it sees, in parts", direct),
     ("gather: views fill and clear sub-cells", views),
+    ("gather: sub-cells from the bits of a finer grid", from_bits),
     ("gather: nothing is made while a frame is recorded", no_objects),
 ];
 
@@ -162,5 +163,34 @@ fn no_objects(_: &Labs) -> Result<(), Failed> {
     for _ in 0..4 {
         assert_eq!(frame()?, 0);
     }
+    Ok(())
+}
+
+/// A bit each, in the order of a grid four times as fine.
+fn from_bits(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let mut cells = Cells::new(5);
+    let mut random = Random::new(7);
+    let mut words = vec![0u32; 20 * 20 * 20 / 32];
+    let mut expected = vec![0u64; 125];
+    for n in (0..8000u32).filter(|_| random.unit() < 0.1) {
+        let fine = UVec3::new(n % 20, n / 20 % 20, n / 400);
+        let place = fine % 4;
+        words[n as usize / 32] |= 1 << (n % 32);
+        expected[cells.grid.index(fine / 4)] |= 1 << (place.x + 4 * (place.y + 4 * place.z));
+        cells.surface(fine / 4, Vec3::ZERO, 0.5);
+    }
+    let mut room = Room::new(gpu, &cells, GatherSettings { rays: 1, ..GatherSettings::default() })?;
+    let fine = Buffer::storage_with(gpu, "fine", &words)?;
+    let Room { volume, light } = &mut room;
+    light.begin_frame(gpu);
+    run(gpu, |e| {
+        light.record_subcells(gpu, e, volume, &fine)?;
+        light.record_surfels(gpu, e, volume)
+    })?;
+    assert_eq!(light.read_subcells(gpu)?, expected);
+    let few = Buffer::storage_with(gpu, "few", &words[1..])?;
+    let refused = run(gpu, |e| light.record_subcells(gpu, e, volume, &few));
+    assert!(refused.is_err_and(|error| error.to_string().contains("7968 bits")));
     Ok(())
 }

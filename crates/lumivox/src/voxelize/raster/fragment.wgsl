@@ -39,7 +39,7 @@ fn fragment_main(p: LvPrimitive) {
 // As `lv_fragment`, for a triangle that is drawn in all three sweeps. A column of a sweep stands for 1 / n of its surface, with n the
 // normal's part along the sweep; its three samples share the surface as n^2, which adds up to one.
 fn lv_sweep_fragment(t: LvTriangle, local: vec3i, cell: u32, point: vec3f) {
-    if cell < window.first || cell - window.first >= window.count {
+    if !lv_in_window(cell) {
         return;
     }
     if LV_IS_BARE && LV_IS_PLAIN {

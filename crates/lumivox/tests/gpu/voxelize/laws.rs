@@ -99,6 +99,33 @@ pub(crate) fn layers(labs: &Labs) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Slab by slab, the last one thinner: the cells and values of the whole grid, walls on the slabs' ends too.
+pub(crate) fn slabs(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let wall = cuboid(Vec3::new(2.0, 2.0, 5.0), Vec3::new(12.0, 12.0, 10.0));
+    let all = joined([&wall, &scattered(1, 600, 1.5, 15.0), &scattered(2, 30, 30.0, 15.0)]);
+    let grid = unit_grid(15, 16, 17);
+    for way in ways() {
+        let mut whole = Voxelizer::new(gpu, grid, &channels(), &way.options)?;
+        let expected = at_once(gpu, &mut whole, &[&all])?;
+        let mut voxelizer = Voxelizer::for_slabs(gpu, grid, 5, &channels(), &way.options)?;
+        let mut found: Values = (Vec::new(), vec![Vec::new(); channels().len()]);
+        let mut slabs = Vec::new();
+        for first in [0, 5, 10, 15] {
+            voxelizer.move_to_layer(gpu, first);
+            slabs.push(voxelizer.layers());
+            let cells = 15 * 16 * voxelizer.layers().len();
+            let (occupied, values) = at_once(gpu, &mut voxelizer, &[&all])?;
+            assert!(!occupied[cells..].contains(&true), "{way:?}: beyond the grid");
+            found.0.extend(&occupied[..cells]);
+            found.1.iter_mut().zip(values).for_each(|(all, slab)| all.extend(&slab[..cells]));
+        }
+        assert_eq!(slabs, [0..5, 5..10, 10..15, 15..17]);
+        assert!(expected == found, "{way:?}");
+    }
+    Ok(())
+}
+
 /// So many numbers a cell that their sums do not fit one binding: the same values as from a voxelizer of few.
 pub(crate) fn windows(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;

@@ -23,6 +23,7 @@ const TESTS: &[Test] = &[
     ("voxelize: order and partition of triangles change nothing", laws::order),
     ("voxelize: layers merge to what all at once give", laws::layers),
     ("voxelize: windows change nothing", laws::windows),
+    ("voxelize: slabs change nothing", laws::slabs),
     ("voxelize: walls on cell boundaries", laws::boundaries),
     ("voxelize: closed shells separate", laws::separation),
     ("voxelize: moved surfaces lie behind their visible side", laws::shift),
