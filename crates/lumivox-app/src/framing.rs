@@ -6,6 +6,8 @@ use glam::{Vec2, Vec3, Vec4};
 use lumivox::core::{Bounds, Grid, GridError, View};
 use lumivox_scene::{Camera, Scene};
 
+use crate::framing_cells;
+
 /// Cells a side of the volume that candidates are judged in.
 const GRID: u32 = 48;
 /// The name of cameras that look at a scene from outside, and their vertical angle in degrees.
@@ -75,7 +77,7 @@ fn surroundings_in(grid: &Grid, cells: &[Vec4], eye: Vec3, directions: u32) -> S
 
 fn cells(scene: &Scene, bounds: &Bounds) -> Result<(Grid, Vec<Vec4>), GridError> {
     let grid = Grid::fit_with_margin(bounds, GRID)?;
-    let normals = lumivox_render::triangles::voxelize(&[scene], &grid).normal;
+    let normals = framing_cells::normals(scene, &grid);
     Ok((grid, normals))
 }
 

@@ -6,6 +6,7 @@ mod clock;
 mod compare;
 mod demo;
 mod framing;
+mod framing_cells;
 mod info;
 mod interrupt;
 mod lighting;

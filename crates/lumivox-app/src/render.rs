@@ -266,7 +266,7 @@ fn series(
     for n in 0..count {
         let (pose, camera) = motion.pose(scene, args.shot.time + n as f32 / args.fps);
         if motion.clip().is_some() {
-            renderer.set_pose(scene, &pose)?;
+            renderer.set_pose(&pose);
         }
         renderer.set_camera(&camera);
         let frame = renderer.frame(clock)?;

@@ -42,6 +42,10 @@ pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'_>>; 2] = [
 
 use lumivox::wgpu;
 
+/// Triangles are drawn, and read by shaders that make volumes of them.
+const VERTICES: wgpu::BufferUsages = wgpu::BufferUsages::VERTEX.union(wgpu::BufferUsages::STORAGE);
+const INDICES: wgpu::BufferUsages = wgpu::BufferUsages::INDEX.union(wgpu::BufferUsages::STORAGE);
+
 lumivox::gpu_struct! {
     /// A material as shaders see it.
     pub struct MaterialUniform {
@@ -93,16 +97,26 @@ pub struct GpuScene {
     /// Sorted by material.
     pub draws: Vec<Draw>,
     first_panel: u64,
-    first_vertices: Vec<u64>,
-    materials: Vec<GpuMaterial>,
+    pub(crate) ranges: Vec<MeshRange>,
+    pub(crate) materials: Vec<GpuMaterial>,
+}
+
+/// Where a mesh lies in the buffers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeshRange {
+    pub(crate) first_vertex: u64,
+    pub(crate) vertex_count: u32,
+    pub(crate) first_index: u64,
+    pub(crate) index_count: u32,
 }
 
 #[derive(Debug)]
-struct GpuMaterial {
+pub(crate) struct GpuMaterial {
+    pub(crate) value: MaterialUniform,
     uniform: Uniform<MaterialUniform>,
-    base_color_texture: Option<usize>,
-    emission_texture: Option<usize>,
-    wrap: [Wrap; 2],
+    pub(crate) base_color_texture: Option<usize>,
+    pub(crate) emission_texture: Option<usize>,
+    pub(crate) wrap: [Wrap; 2],
 }
 
 impl GpuScene {
@@ -123,13 +137,13 @@ impl GpuScene {
         let materials = scene.materials.iter().chain(&panels.materials);
         let materials = materials.map(|m| GpuMaterial::new(gpu, m, scene)).collect();
         let gpu_scene = Self {
-            shapes: filled(gpu, "scene/shapes", wgpu::BufferUsages::VERTEX, &geometry.shapes),
-            paints: filled(gpu, "scene/paints", wgpu::BufferUsages::VERTEX, &geometry.paints),
-            indices: filled(gpu, "scene/indices", wgpu::BufferUsages::INDEX, &geometry.indices),
+            shapes: filled(gpu, "scene/shapes", VERTICES, &geometry.shapes),
+            paints: filled(gpu, "scene/paints", VERTICES, &geometry.paints),
+            indices: filled(gpu, "scene/indices", INDICES, &geometry.indices),
             instances: Buffer::storage_with(gpu, "scene/instances", &geometry.matrices)?,
             draws: geometry.draws,
             first_panel: scene.instances.len() as u64,
-            first_vertices: geometry.first_vertices,
+            ranges: geometry.ranges,
             materials,
         };
         Ok((gpu_scene, textures))
@@ -141,9 +155,9 @@ impl GpuScene {
         let matrices = &pose.world_from_local[..count];
         gpu.queue.write_buffer(&self.instances.raw, 0, bytemuck::cast_slice(matrices));
         for mesh in &pose.deformed {
-            let Some(first) = self.first_vertices.get(mesh.mesh) else { continue };
+            let Some(range) = self.ranges.get(mesh.mesh) else { continue };
             let moved: Vec<VertexShape> = shapes(&mesh.positions, &mesh.normals).collect();
-            let offset = first * size_of::<VertexShape>() as u64;
+            let offset = range.first_vertex * size_of::<VertexShape>() as u64;
             gpu.queue.write_buffer(&self.shapes.raw, offset, bytemuck::cast_slice(&moved));
         }
     }
@@ -179,8 +193,7 @@ impl GpuScene {
 struct Geometry {
     shapes: Vec<VertexShape>,
     paints: Vec<VertexPaint>,
-    /// First vertex of each mesh.
-    first_vertices: Vec<u64>,
+    ranges: Vec<MeshRange>,
     indices: Vec<u32>,
     matrices: Vec<Mat4>,
     draws: Vec<Draw>,
@@ -189,12 +202,15 @@ struct Geometry {
 
 impl Geometry {
     fn append(&mut self, scene: &Scene, in_camera: bool) {
-        let mut ranges = Vec::new();
+        let first_mesh = self.ranges.len();
         for mesh in &scene.meshes {
-            let first = self.indices.len() as u32;
+            self.ranges.push(MeshRange {
+                first_vertex: self.shapes.len() as u64,
+                vertex_count: mesh.positions.len() as u32,
+                first_index: self.indices.len() as u64,
+                index_count: 3 * mesh.indices.len() as u32,
+            });
             self.indices.extend(mesh.indices.iter().flatten());
-            ranges.push(((first, self.indices.len() as u32), self.shapes.len() as i32));
-            self.first_vertices.push(self.shapes.len() as u64);
             self.shapes.extend(shapes(&mesh.positions, &mesh.normals));
             self.paints.extend(mesh.uvs.iter().zip(&mesh.colors).map(|(&uv, color)| VertexPaint {
                 uv,
@@ -203,9 +219,11 @@ impl Geometry {
         }
         for instance in &scene.instances {
             let material = scene.meshes[instance.mesh].material;
+            let range = self.ranges[first_mesh + instance.mesh];
+            let first_index = range.first_index as u32;
             self.draws.push(Draw {
-                indices: ranges[instance.mesh].0,
-                base_vertex: ranges[instance.mesh].1,
+                indices: (first_index, first_index + range.index_count),
+                base_vertex: range.first_vertex as i32,
                 instance: self.matrices.len() as u32,
                 material: self.material_count + material,
                 is_masked: scene.materials[material].alpha != AlphaMode::Opaque,
@@ -241,6 +259,7 @@ impl GpuMaterial {
         };
         let wrap = base_color_texture.or(emission_texture).map(|t| scene.textures[t].wrap);
         Self {
+            value,
             uniform: Uniform::new(gpu, "scene/material", &value),
             base_color_texture,
             emission_texture,

@@ -11,8 +11,7 @@
 //! | [`lights`] | a light's views, and what it sends where |
 //! | [`shadow`] | depth from a light's view |
 //! | [`direct`] | shadowed direct light, light by light |
-//! | `subcells` | a volume with its sub-cells from triangles, for gathered light |
-//! | [`triangles`] | a volume from a scene's triangles, on the CPU |
+//! | [`triangle_voxelizer`] | a volume from a scene's triangles, with sub-cells for gathered light |
 //! | [`composite`] | direct + indirect + emission, or one layer alone |
 //! | [`voxel_view`] | draws a volume's cells |
 //! | [`lobes`] | draws the light in free space |
@@ -30,10 +29,10 @@ pub mod lobes;
 pub mod material_textures;
 pub mod renderer;
 pub mod shadow;
-mod subcells;
 pub mod surface;
 pub mod tone;
-pub mod triangles;
+pub mod triangle_voxelizer;
+mod voxel_meshes;
 pub mod voxel_view;
 
 pub use composite::Layer;

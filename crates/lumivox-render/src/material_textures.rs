@@ -22,6 +22,8 @@ pub struct MaterialTextures {
     textures: Vec<Texture>,
     /// In the order of [`WRAPS`].
     samplers: Vec<Sampler>,
+    /// Likewise, without anisotropy, which means nothing where there are no pixels.
+    volume_samplers: Vec<Sampler>,
     filtered: bool,
 }
 
@@ -37,7 +39,12 @@ impl MaterialTextures {
         textures.push(upload(gpu, &white(), filtered, false)?);
         Ok(Self {
             textures,
-            samplers: WRAPS.iter().map(|wrap| sampler(gpu, *wrap, filtered)).collect(),
+            // Floors seen at a grazing angle keep their tiles.
+            samplers: WRAPS
+                .iter()
+                .map(|w| sampler(gpu, *w, filtered, if filtered { 8 } else { 1 }))
+                .collect(),
+            volume_samplers: WRAPS.iter().map(|wrap| sampler(gpu, *wrap, filtered, 1)).collect(),
             filtered,
         })
     }
@@ -49,6 +56,16 @@ impl MaterialTextures {
 
     pub(crate) fn sampler(&self, wrap: [Wrap; 2]) -> &Sampler {
         &self.samplers[WRAPS.iter().position(|w| *w == wrap).unwrap_or(0)]
+    }
+
+    /// For stages that voxelize.
+    pub(crate) fn volume_sampler(&self, wrap: [Wrap; 2]) -> &Sampler {
+        &self.volume_samplers[WRAPS.iter().position(|w| *w == wrap).unwrap_or(0)]
+    }
+
+    /// Whether they have mip levels, and are linear light to shaders.
+    pub(crate) fn is_filtered(&self) -> bool {
+        self.filtered
     }
 
     /// The constants of fragment stages that look materials up.
@@ -68,7 +85,7 @@ const WRAPS: [[Wrap; 2]; 9] = {
     wraps
 };
 
-fn sampler(gpu: &Gpu, wrap: [Wrap; 2], filtered: bool) -> Sampler {
+fn sampler(gpu: &Gpu, wrap: [Wrap; 2], filtered: bool, anisotropy: u16) -> Sampler {
     let (filter, mipmap_filter) = match filtered {
         true => (wgpu::FilterMode::Linear, wgpu::MipmapFilterMode::Linear),
         false => (wgpu::FilterMode::Nearest, wgpu::MipmapFilterMode::Nearest),
@@ -87,8 +104,7 @@ fn sampler(gpu: &Gpu, wrap: [Wrap; 2], filtered: bool) -> Sampler {
             mag_filter: filter,
             min_filter: filter,
             mipmap_filter,
-            // Floors seen at a grazing angle keep their tiles.
-            anisotropy_clamp: if filtered { 8 } else { 1 },
+            anisotropy_clamp: anisotropy,
             ..Default::default()
         },
     )

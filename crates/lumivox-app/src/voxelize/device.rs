@@ -41,6 +41,8 @@ pub(super) struct DeviceStats {
     threads: Option<usize>,
     adapter: Option<AdapterStats>,
     method: &'static str,
+    /// Parts that the grid was done in, where it did not fit a GPU at once.
+    slabs: Option<u32>,
     /// From triangles and textures at hand to cells, without what is compiled, uploaded and read back.
     ms: f64,
     #[serde(skip)]
@@ -141,6 +143,7 @@ fn on_cpu(work: &Work<'_>, because: Option<&str>) -> Result<Made> {
         threads: Some(threads),
         adapter: None,
         method: MethodArg::Cpu.name(),
+        slabs: None,
         ms,
         words: format!("the CPU ({threads} threads{because})"),
     };
@@ -148,12 +151,13 @@ fn on_cpu(work: &Work<'_>, because: Option<&str>) -> Result<Made> {
 }
 
 fn on_gpu(work: &Work<'_>, gpu: &Gpu, method: MethodArg) -> Result<Made> {
-    let (volume, ms) = gpu::voxelize(work, gpu, method)?;
+    let gpu::Outcome { volume, ms, slabs } = gpu::voxelize(work, gpu, method)?;
     let device = DeviceStats {
         kind: "gpu",
         threads: None,
         adapter: Some(AdapterStats::new(gpu)),
         method: method.name(),
+        slabs: Some(slabs),
         ms,
         words: format!("{}, method {}", gpu.device.adapter_info().name, method.name()),
     };

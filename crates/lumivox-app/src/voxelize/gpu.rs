@@ -1,26 +1,25 @@
 //! Meshes to a volume on a GPU, by any of the library's methods.
 
+use std::ops::ControlFlow;
+
 use anyhow::{Result, bail};
 use glam::Vec4;
-use lumivox::gpu::Gpu;
+use lumivox::VolumeBuffer;
+use lumivox::gpu::{Gpu, read_buffer};
 use lumivox::voxelize::{Coverage, Directions, Mesh, Method, Options, Voxelizer};
 use lumivox::wgpu::CommandEncoderDescriptor;
-use lumivox_core::Grid;
 use lumivox_scene::Scene;
-use lumivox_voxels::SparseVolume;
-use rayon::prelude::*;
+use lumivox_voxels::{GridSpec, SparseBuilder, SparseVolume, VoxelizeOptions};
 
 use super::args::{ColorArg, CoverageArg, MethodArg, VoxelizeArgs};
 use super::device::Work;
+use super::model::Surfaces;
 use super::report::sides;
-use super::upload;
+use super::{slabs, upload};
 use crate::clock;
 
 /// Refuses what a method cannot do, or no GPU.
 pub(super) fn check(args: &VoxelizeArgs, method: MethodArg) -> Result<()> {
-    if args.solid {
-        bail!("--solid is filled on the CPU alone");
-    }
     if args.snap != 0.0 {
         bail!("--snap moves corners on the CPU alone");
     }
@@ -36,45 +35,98 @@ pub(super) fn check(args: &VoxelizeArgs, method: MethodArg) -> Result<()> {
     Ok(())
 }
 
-/// The volume, and the milliseconds that the GPU worked on it.
-pub(super) fn voxelize(work: &Work<'_>, gpu: &Gpu, method: MethodArg) -> Result<(SparseVolume, f64)> {
+/// A volume, and how it came about.
+pub(super) struct Outcome {
+    pub(super) volume: SparseVolume,
+    /// Milliseconds that the GPU worked on it.
+    pub(super) ms: f64,
+    /// Parts that it was done in.
+    pub(super) slabs: u32,
+}
+
+/// Slab by slab from the GPU's bindings to a volume whose memory follows the surface.
+pub(super) fn voxelize(work: &Work<'_>, gpu: &Gpu, method: MethodArg) -> Result<Outcome> {
     let Work { args, scene, grid, stages, .. } = work;
-    check_memory(work)?;
+    let memory = args.memory << 20;
+    let surfaces = Surfaces::new(scene, false);
+    let model = surfaces.model(scene);
+    let progress = |progress| -> ControlFlow<()> { stages.report(progress) };
+    let kept: Vec<_> = work.channels.iter().map(|channel| channel.channel(args.color)).collect();
+    let on_cpu = VoxelizeOptions {
+        grid: GridSpec::Grid(*grid),
+        coverage: args.coverage().into(),
+        channels: kept.clone(),
+        solid: args.solid,
+        memory_limit: memory,
+        progress: Some(&progress),
+        ..VoxelizeOptions::default()
+    };
+    lumivox_voxels::check_memory(&model, &on_cpu)?;
     let brightest = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
     // A range has a width.
     let brightest = if brightest > 1e-20 { brightest } else { 1.0 };
     let channels: Vec<_> = work.channels.iter().map(|c| c.gpu_channel(args.color, brightest)).collect();
+    let layers = slabs::layers(gpu, grid, &channels, memory)?;
     stages.enter("compile");
-    let mut voxelizer = Voxelizer::new(gpu, *grid, &channels, &options(method, args.coverage()))?;
+    let options = options(method, args.coverage());
+    let mut voxelizer = Voxelizer::for_slabs(gpu, *grid, layers, &channels, &options)?;
     let mut values = voxelizer.volume(gpu)?;
     stages.enter("upload");
     let paints = !channels.is_empty();
     let meshes = upload::meshes(gpu, scene, paints, args.color == ColorArg::Nearest)?;
+    let meshes: Vec<&Mesh> = meshes.iter().collect();
     gpu.queue.submit([]);
     gpu.wait()?;
 
-    stages.enter("cells");
-    let meshes: Vec<&Mesh> = meshes.iter().collect();
-    let start = clock::millis();
-    let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
-    voxelizer.record(gpu, &mut encoder, &meshes, &mut values)?;
-    gpu.queue.submit([encoder.finish()]);
-    gpu.wait()?;
-    let ms = clock::millis() - start;
+    let mut builder = SparseBuilder::new(*grid, kept)?;
+    let mut ms = 0.0;
+    for first in (0..grid.dims.z).step_by(layers as usize) {
+        stages.enter("cells");
+        let start = clock::millis();
+        voxelizer.move_to_layer(gpu, first);
+        let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        voxelizer.record(gpu, &mut encoder, &meshes, &mut values)?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        ms += clock::millis() - start;
+        stages.enter("read back");
+        read_slab(gpu, &voxelizer, &values, work, &mut builder)?;
+        if builder.bytes() > memory {
+            bail!(
+                "the voxels of a grid of {} cells do not fit into the memory that --memory allows",
+                sides(grid.dims)
+            );
+        }
+    }
+    let volume = builder.finish();
+    let volume = if args.solid { volume.filled(&model, &on_cpu)? } else { volume };
+    Ok(Outcome { volume, ms, slabs: grid.dims.z.div_ceil(layers) })
+}
 
-    stages.enter("read back");
-    let occupied = voxelizer.read_occupancy(gpu)?;
-    let mut values = values.read_back(gpu)?;
-    let normals = values.channel("normal").map(|means| means.par_iter().map(|&mean| unit(mean)).collect());
-    if let Some(normals) = normals {
-        values.insert("normal", normals);
-    }
-    let mut lists: Vec<(lumivox_voxels::Channel, &[Vec4])> = Vec::with_capacity(channels.len());
+/// Appends what the GPU has found in a slab.
+fn read_slab(
+    gpu: &Gpu,
+    voxelizer: &Voxelizer,
+    values: &VolumeBuffer,
+    work: &Work<'_>,
+    builder: &mut SparseBuilder,
+) -> Result<()> {
+    let occupied: Vec<u32> = read_buffer(gpu, voxelizer.occupancy())?;
+    let mut channels = Vec::with_capacity(work.channels.len());
     for channel in work.channels {
-        let list = values.channel(channel.name());
-        lists.push((channel.channel(args.color), list.unwrap_or_default()));
+        let (Some(buffer), Some(format)) = (values.channel(channel.name()), values.format(channel.name()))
+        else {
+            bail!("the GPU has no channel {}", channel.name());
+        };
+        channels.push((read_buffer::<u32>(gpu, buffer)?, format, channel.name() == "normal"));
     }
-    Ok((SparseVolume::from_dense(*grid, &occupied, &lists)?, ms))
+    builder.push(voxelizer.layers().len() as u32, &occupied, |n, cell| {
+        let (words, format, is_normal) = &channels[n];
+        let width = format.words() as usize;
+        let value = format.unpack(&words[width * cell..width * (cell + 1)]);
+        if *is_normal { unit(value) } else { value }
+    })?;
+    Ok(())
 }
 
 /// A mean normal shorter than this is what rounding leaves of normals that cancel.
@@ -101,30 +153,6 @@ fn options(method: MethodArg, coverage: CoverageArg) -> Options {
         CoverageArg::Sampled => Coverage::Sampled,
     };
     Options { method, coverage, ..Options::default() }
-}
-
-/// Bytes of a cell while it is read back: whether it is occupied, the words of one channel in three copies of up to four words,
-/// and four floats for each channel.
-fn cell_bytes(channels: usize) -> u64 {
-    if channels == 0 { 2 } else { 2 + 48 + 16 * channels as u64 }
-}
-
-/// All cells of the grid come back, empty ones too.
-fn check_memory(work: &Work<'_>) -> Result<()> {
-    let Grid { dims, .. } = work.grid;
-    let cells = work.grid.cell_count();
-    if cells > u64::from(u32::MAX) {
-        bail!("a grid of {} has {cells} cells, and on a GPU there are at most {}", sides(dims), u32::MAX);
-    }
-    let needed = (cells * cell_bytes(work.channels.len())).div_ceil(1 << 20);
-    if needed > work.args.memory {
-        bail!(
-            "a grid of {} cells comes back from the GPU in {needed} MiB of memory, and --memory allows {}; the CPU's memory follows the surface",
-            sides(dims),
-            work.args.memory
-        );
-    }
-    Ok(())
 }
 
 /// Triangles with a corner that is not finite where it stands.

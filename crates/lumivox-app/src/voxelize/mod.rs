@@ -7,6 +7,7 @@ mod gpu;
 mod model;
 mod outputs;
 mod report;
+mod slabs;
 mod stages;
 mod texture;
 mod upload;

@@ -102,6 +102,7 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("voxelize runs every method", voxelize_gpu::methods),
     ("voxelize on a GPU has the CPU's values", voxelize_gpu::channels),
     ("voxelize on a GPU has the CPU's textures, about", voxelize_gpu::textures),
+    ("voxelize on a GPU does in slabs what does not fit at once", voxelize_gpu::slabs),
     ("voxelize refuses what a GPU cannot do", voxelize_gpu::refusals),
 ];
 

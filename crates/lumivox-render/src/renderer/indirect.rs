@@ -55,6 +55,14 @@ impl Indirect {
         Ok(Self::Propagated(Box::new(propagated)))
     }
 
+    /// Gathered light, if that is the way.
+    pub(super) fn gathered_mut(&mut self) -> Option<&mut GatheredLight> {
+        match self {
+            Self::Lpv(_) | Self::Propagated(_) => None,
+            Self::Gathered(light) => Some(light),
+        }
+    }
+
     /// The stage that steps start from, and theirs.
     pub(super) fn stages(&self) -> [&'static str; 2] {
         match self {

@@ -12,7 +12,7 @@ use lumivox::core::{Bounds, Grid, GridError, View};
 use lumivox::gather::{GatheredLight, SurfelCount};
 use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
-use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
+use lumivox::voxelize::VoxelizeError;
 use lumivox_scene::{Camera, Light, Pose, Scene};
 
 use crate::composite::{CompositePass, Layer};
@@ -21,9 +21,8 @@ use crate::gpu_scene::GpuScene;
 use crate::lights::{self, LightSample, Sky};
 use crate::lobes::Lobes;
 use crate::shadow::ShadowPass;
-use crate::subcells::voxelize_scenes;
 use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
-use crate::triangles;
+use crate::triangle_voxelizer::TriangleVoxelizer;
 use crate::voxel_view::VoxelView;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
@@ -41,9 +40,9 @@ pub enum RendererError {
     /// The volume.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// The voxelizer.
+    /// The voxelizer of triangles.
     #[error(transparent)]
-    Voxelize(#[from] lumivox_voxels::VoxelizeError),
+    Voxelize(#[from] VoxelizeError),
     /// Nothing to see.
     #[error("the scene has no triangles to render")]
     EmptyScene,
@@ -78,6 +77,8 @@ pub struct Renderer {
     lobes: Option<Lobes>,
     volume: VolumeBuffer,
     voxelizer: ViewVoxelizer,
+    /// Where the volume comes from triangles.
+    triangles: Option<TriangleVoxelizer>,
     direct_light: DirectLight,
     indirect: Indirect,
     /// Whether no frame has been made yet.
@@ -105,6 +106,12 @@ impl Renderer {
         let indirect = Indirect::new(gpu, &volume, &settings, &sky)?;
         let panels = lights::panels(&scene.lights);
         let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
+        let from_triangles = settings.voxels == VoxelSource::Triangles && needs_volume(&settings);
+        let triangles = from_triangles.then(|| {
+            let (scenes, gathers) = ((scene, &panels), matches!(indirect, Indirect::Gathered(_)));
+            TriangleVoxelizer::new(gpu, scenes, (&gpu_scene, &textures), &volume, gathers)
+        });
+        let triangles = triangles.transpose()?;
         let camera = camera_target(gpu, &settings)?;
         let [for_picture, for_volume] = light_samples(&settings, &scene.lights, &sky);
         let injected = InjectedLights::new(gpu, &for_volume, &settings)?;
@@ -130,6 +137,7 @@ impl Renderer {
             lobes: None,
             volume,
             voxelizer,
+            triangles,
             direct_light,
             indirect,
             fresh: true,
@@ -143,7 +151,9 @@ impl Renderer {
             picture: Texture::target(gpu, "render/picture", settings.size.to_array(), HDR_FORMAT)?,
         };
         renderer.voxel_view.show(gpu, renderer.volume.grid(), settings.voxel_channel, settings.voxel_slice);
-        renderer.voxelize_triangles(scene)?;
+        let mut timer = StageTimer::new(gpu, None);
+        renderer.voxelize_triangles(&mut timer)?;
+        timer.finish(gpu)?;
         gpu.wait()?;
         Ok(renderer)
     }
@@ -164,34 +174,37 @@ impl Renderer {
         let [for_picture, for_volume] = light_samples(&self.settings, lights, &self.sky);
         self.shadowed.set(for_picture);
         self.injected.set(&self.gpu, &for_volume);
-        self.scene.set_panels(&self.gpu, &lights::panels(lights));
-    }
-
-    /// Moves the scene and its lights, from the next frame on. `scene` is the one that this was made of, with the pose applied
-    /// ([`Scene::apply`]). A volume of triangles is made anew, on the CPU.
-    pub fn set_pose(&mut self, scene: &Scene, pose: &Pose) -> Result<(), RendererError> {
-        self.scene.set_pose(&self.gpu, pose);
-        self.set_lights(&pose.lights);
-        self.voxelize_triangles(scene)
-    }
-
-    /// Fills the volume from triangles, if that is where it comes from.
-    fn voxelize_triangles(&mut self, scene: &Scene) -> Result<(), RendererError> {
-        if self.settings.voxels == VoxelSource::Triangles && needs_volume(&self.settings) {
-            let panels = lights::panels(&scene.lights);
-            if let Indirect::Gathered(gathered) = &mut self.indirect {
-                let made = voxelize_scenes(&[scene, &panels], self.volume.grid())?;
-                self.volume.upload(&self.gpu, NORMAL, &made.normal)?;
-                self.volume.upload(&self.gpu, ALBEDO, &made.albedo)?;
-                self.volume.upload(&self.gpu, EMISSION, &made.emission)?;
-                return Ok(gathered.upload_subcells(&self.gpu, &made.subcells)?);
-            }
-            let made = triangles::voxelize(&[scene, &panels], self.volume.grid());
-            self.volume.upload(&self.gpu, NORMAL, &made.normal)?;
-            self.volume.upload(&self.gpu, ALBEDO, &made.albedo)?;
-            self.volume.upload(&self.gpu, EMISSION, &made.emission)?;
+        let panels = lights::panels(lights);
+        self.scene.set_panels(&self.gpu, &panels);
+        if let Some(triangles) = &mut self.triangles {
+            triangles.set_panels(&self.gpu, &panels);
         }
-        Ok(())
+    }
+
+    /// Moves the scene and its lights, from the next frame on; for a pose of the scene that this was made of.
+    pub fn set_pose(&mut self, pose: &Pose) {
+        self.scene.set_pose(&self.gpu, pose);
+        if let Some(triangles) = &mut self.triangles {
+            triangles.set_pose(&self.gpu, pose);
+        }
+        self.set_lights(&pose.lights);
+    }
+
+    /// Makes the next frame voxelize all triangles anew, as if everything had moved; for measuring.
+    pub fn forget_triangles(&mut self) {
+        if let Some(triangles) = &mut self.triangles {
+            triangles.forget();
+        }
+    }
+
+    /// Fills the volume from triangles that have moved, if that is where it comes from.
+    fn voxelize_triangles(&mut self, timer: &mut StageTimer) -> Result<(), GpuError> {
+        let Self { gpu, triangles: Some(triangles), volume, indirect, .. } = self else { return Ok(()) };
+        if !triangles.is_stale() {
+            return Ok(());
+        }
+        triangles.make_layers(gpu)?;
+        timer.stage(gpu, "voxelize/triangles", |e| triangles.record(gpu, e, volume, indirect.gathered_mut()))
     }
 
     /// Chooses what the picture shows, from the next frame on.
@@ -208,9 +221,10 @@ impl Renderer {
             self.frame(clock)?;
         }
         let views_fill = self.views_fill_volume();
+        let mut timer = StageTimer::new(&self.gpu, clock);
+        self.voxelize_triangles(&mut timer)?;
         let Self { gpu, settings, scene, camera, shadowed, injected, volume, voxelizer, indirect, .. } = self;
         let gpu = &*gpu;
-        let mut timer = StageTimer::new(gpu, clock);
 
         camera.update(gpu, self.scale);
         shadowed.update(gpu, &self.bounds, &camera.view);

@@ -17,6 +17,7 @@ mod moving;
 mod odd;
 mod progressive;
 mod scenes;
+mod triangles;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         masks::TESTS,
         moving::TESTS,
         progressive::TESTS,
+        triangles::TESTS,
     ];
     let mut trials: Vec<Trial> = tests
         .into_iter()

@@ -50,7 +50,7 @@ fn settings(voxels: VoxelSource) -> Settings {
 }
 
 /// A black block on a white floor, in the sun, that slides from x = -1.5 to 1.5 within a second.
-fn sliding_block() -> Scene {
+pub(crate) fn sliding_block() -> Scene {
     let mut scene = Scene { lights: vec![SUN], ..Scene::default() };
     add(&mut scene, Material::matte("floor", Vec3::ONE), &[Quad::level(Vec3::ZERO, FLOOR)]);
     let node = scene.animation.add_node(None, Transform::default());
@@ -72,7 +72,7 @@ fn moved(gpu: &Gpu, voxels: VoxelSource) -> Result<(), Failed> {
     for (seconds, x) in [(0.0, -1.5), (0.5, 0.0), (1.0, 1.5)] {
         let pose = scene.pose(0, seconds);
         scene.apply(&pose);
-        renderer.set_pose(&scene, &pose)?;
+        renderer.set_pose(&pose);
         // What a view proves empty is gone within two frames.
         for _ in 0..2 {
             renderer.frame(None)?;
@@ -118,7 +118,7 @@ fn moving_lamp(gpu: &Gpu) -> Result<(), Failed> {
     for seconds in [0.0, 1.0] {
         let pose = scene.pose(0, seconds);
         scene.apply(&pose);
-        renderer.set_pose(&scene, &pose)?;
+        renderer.set_pose(&pose);
         renderer.frame(None)?;
         let picture = renderer.read_picture()?;
         let row = settings.size.x as usize;
@@ -169,7 +169,7 @@ fn fox(gpu: &Gpu, path: &Path) -> Result<(), Failed> {
             let walked = Vec3::new(0.0, 0.0, 10.0 * step as f32 - 30.0);
             pose.world_from_local[fox] = Mat4::from_translation(walked) * pose.world_from_local[fox];
             scene.apply(&pose);
-            renderer.set_pose(&scene, &pose)?;
+            renderer.set_pose(&pose);
             renderer.frame(None)?;
         }
         settle(&mut renderer)?;
@@ -208,7 +208,7 @@ fn man(gpu: &Gpu, path: &Path) -> Result<(), Failed> {
     let mut most = 0;
     for step in 0..16 {
         let pose = walk(&mut scene, step);
-        renderer.set_pose(&scene, &pose)?;
+        renderer.set_pose(&pose);
         renderer.frame(None)?;
         let grid = *renderer.volume().grid();
         let cells = occupied(gpu, &renderer)?;

@@ -1,11 +1,58 @@
-//! Volumes from triangles against the exact voxel set, without a GPU.
+//! Volumes from triangles against the thin and the exact voxel set.
 
-use glam::{Mat4, UVec3, Vec3};
+use glam::{Mat4, UVec3, Vec3, Vec4};
+use libtest_mimic::Failed;
+use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, TriangleView};
-use lumivox::progressive::SURFACE_SHIFT;
+use lumivox::gpu::Gpu;
+use lumivox::progressive::{CHANNELS, SURFACE_SHIFT};
+use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 use lumivox_oracle::voxels::{Coverage, VoxelSet};
-use lumivox_render::triangles::{TriangleVolume, voxelize};
+use lumivox_render::gpu_scene::GpuScene;
+use lumivox_render::triangle_voxelizer::TriangleVoxelizer;
+use lumivox_render::{GiMethod, Renderer, Settings, VoxelSource};
 use lumivox_scene::{AlphaMode, Instance, Material, Mesh, Scene, Texture, Wrap, builtin};
+
+use crate::Check;
+use crate::moving::sliding_block;
+use crate::scenes::small;
+
+pub(crate) const TESTS: &[(&str, Check)] = &[
+    ("triangles: marked cells are those of the thin set", marked_cells_are_those_of_the_thin_set),
+    (
+        "triangles: a closed cube is a hollow shell without holes",
+        a_closed_cube_is_a_hollow_shell_without_holes,
+    ),
+    ("triangles: normals are those of the faces", normals_are_those_of_the_faces),
+    ("triangles: textures are sampled where they lie", textures_are_sampled_where_they_lie),
+    ("triangles: masks have holes", masks_have_holes),
+    ("triangles: instances are placed", instances_are_placed),
+    ("triangles: what moves is voxelized anew, with its sub-cells", what_moves_is_voxelized_anew),
+];
+
+/// Drivers may be off by half a step of 8 bits when they make sRGB linear.
+const SRGB_ERROR: f32 = 0.5 / 255.0;
+
+/// The channels of a volume, one entry per cell.
+struct TriangleVolume {
+    normal: Vec<Vec4>,
+    albedo: Vec<Vec4>,
+    emission: Vec<Vec4>,
+}
+
+fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid) -> Result<TriangleVolume, Failed> {
+    let panels = Scene::default();
+    let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, true)?;
+    let mut volume = VolumeBuffer::new(gpu, *grid, &CHANNELS)?;
+    let mut voxelizer =
+        TriangleVoxelizer::new(gpu, (scene, &panels), (&gpu_scene, &textures), &volume, false)?;
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    voxelizer.record(gpu, &mut encoder, &mut volume, None)?;
+    gpu.queue.submit([encoder.finish()]);
+    let read = volume.read_back(gpu)?;
+    let channel = |name| read.channel(name).map(<[_]>::to_vec).ok_or("no such channel");
+    Ok(TriangleVolume { normal: channel(NORMAL)?, albedo: channel(ALBEDO)?, emission: channel(EMISSION)? })
+}
 
 fn marked(volume: &TriangleVolume, grid: &Grid) -> Vec<UVec3> {
     grid.cells().filter(|&c| volume.normal[grid.index(c)].w > 0.0).collect()
@@ -54,38 +101,40 @@ fn one_mesh(mesh: Mesh, material: Material) -> Scene {
     }
 }
 
-#[test]
-fn marked_cells_overlap_the_surface_and_few_are_missed() {
+fn marked_cells_are_those_of_the_thin_set(gpu: &Gpu) -> Result<(), Failed> {
+    let mut all_sure = 0;
     for (name, scene) in
         [("cornell", builtin::cornell(1)), ("furnace", builtin::furnace(2)), ("atrium", builtin::atrium(0))]
     {
         for resolution in [9, 24] {
-            let grid = Grid::fit_with_margin(&scene.bounds(), resolution).unwrap();
-            let volume = voxelize(&[&scene], &grid);
+            let grid = Grid::fit_with_margin(&scene.bounds(), resolution)?;
+            let volume = voxelize(gpu, &scene, &grid)?;
             let (positions, indices) = soup(&scene);
-            let triangles = TriangleView::new(&positions, &indices).unwrap();
-            // Samples are moved a little behind their surface: by so much a cell may be away from it.
-            let exact = VoxelSet::with_margin(grid, triangles, Coverage::Exact, 2.1 * SURFACE_SHIFT);
+            let triangles = TriangleView::new(&positions, &indices).ok_or("indices")?;
+            // Surfaces are moved a little: by so much a cell may be away from them.
+            let thin = VoxelSet::with_margin(grid, triangles, Coverage::Thin, 2.1 * SURFACE_SHIFT);
             let cells = marked(&volume, &grid);
-            let astray: Vec<_> = cells.iter().filter(|&&c| !exact.verdict(c).possibly).collect();
+            let astray: Vec<_> = cells.iter().filter(|&&c| !thin.verdict(c).possibly).collect();
             assert!(astray.is_empty(), "{name} {resolution}: {} cells, first {}", astray.len(), astray[0]);
-            let sure = grid.cells().filter(|&c| exact.verdict(c).surely).count();
+            let sure = grid.cells().filter(|&c| thin.verdict(c).surely).count();
             let missed = grid
                 .cells()
-                .filter(|&c| exact.verdict(c).surely && volume.normal[grid.index(c)].w == 0.0)
+                .filter(|&c| thin.verdict(c).surely && volume.normal[grid.index(c)].w == 0.0)
                 .count();
-            println!("{name} {resolution}: {} marked, {sure} sure, {missed} missed", cells.len());
-            assert!((missed as f32) <= 0.1 * sure as f32, "{name} {resolution}: {missed} of {sure} missed");
+            eprintln!("{name} {resolution}: {} marked, {sure} sure, {missed} missed", cells.len());
+            assert_eq!(missed, 0, "{name} {resolution}: of {sure}");
+            all_sure += sure;
         }
     }
+    assert!(all_sure > 1000, "{all_sure} cells that do not hang on a margin");
+    Ok(())
 }
 
-#[test]
-fn a_closed_cube_is_a_hollow_shell_without_holes() {
+fn a_closed_cube_is_a_hollow_shell_without_holes(gpu: &Gpu) -> Result<(), Failed> {
     for resolution in [7, 16, 31] {
         let scene = cube(1.0);
-        let grid = Grid::fit_with_margin(&scene.bounds(), resolution).unwrap();
-        let volume = voxelize(&[&scene], &grid);
+        let grid = Grid::fit_with_margin(&scene.bounds(), resolution)?;
+        let volume = voxelize(gpu, &scene, &grid)?;
         let cells = marked(&volume, &grid);
         for &cell in &cells {
             let deepest = grid.center(cell).abs().max_element();
@@ -109,13 +158,13 @@ fn a_closed_cube_is_a_hollow_shell_without_holes() {
         let middle = grid.dims / 2;
         assert!(free(middle) && !reached[grid.index(middle)], "{resolution}");
     }
+    Ok(())
 }
 
-#[test]
-fn normals_are_those_of_the_faces() {
+fn normals_are_those_of_the_faces(gpu: &Gpu) -> Result<(), Failed> {
     let scene = cube(1.0);
-    let grid = Grid::fit_with_margin(&scene.bounds(), 20).unwrap();
-    let volume = voxelize(&[&scene], &grid);
+    let grid = Grid::fit_with_margin(&scene.bounds(), 20)?;
+    let volume = voxelize(gpu, &scene, &grid)?;
     for cell in marked(&volume, &grid) {
         let p = grid.center(cell);
         let normal = volume.normal[grid.index(cell)].truncate();
@@ -126,6 +175,7 @@ fn normals_are_those_of_the_faces() {
             assert!((normal.abs().max_element() - 1.0).abs() < 1e-4, "{normal} at {p}");
         }
     }
+    Ok(())
 }
 
 fn texture(pixels: &[[u8; 4]]) -> Texture {
@@ -153,11 +203,12 @@ fn square_grid() -> Grid {
     fitted.expect("a box of one metre")
 }
 
-#[test]
-fn textures_are_sampled_where_they_lie() {
+fn textures_are_sampled_where_they_lie(gpu: &Gpu) -> Result<(), Failed> {
     let (red, green, blue, grey) =
         ([255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [188, 188, 188, 255]);
-    let pixels = [red, green, blue, grey];
+    // Four quarters of 16 texels: filtering mixes them at their borders alone.
+    let quarters = [red, green, blue, grey];
+    let pixels: Vec<_> = (0..64).map(|n| quarters[n % 8 / 4 + 2 * (n / 32)]).collect();
     let material = Material {
         base_color_texture: Some(0),
         emission: Vec3::new(2.0, 4.0, 6.0),
@@ -165,14 +216,14 @@ fn textures_are_sampled_where_they_lie() {
         ..Material::default()
     };
     let (scene, grid) = (textured_square(material, &pixels), square_grid());
-    let volume = voxelize(&[&scene], &grid);
+    let volume = voxelize(gpu, &scene, &grid)?;
     let cells = marked(&volume, &grid);
     assert_eq!(cells.len(), 64);
     let linear_188 = ((188.0f32 / 255.0 + 0.055) / 1.055).powf(2.4);
     let mut counts = [0; 4];
     for cell in cells {
         let p = grid.center(cell);
-        // The border between the texels belongs to one of them: judge the cells that do not touch it.
+        // Judge the cells that are no part of a border.
         if (p.x - 0.5).abs() < 0.1 || (p.y - 0.5).abs() < 0.1 {
             continue;
         }
@@ -180,38 +231,38 @@ fn textures_are_sampled_where_they_lie() {
         counts[which] += 1;
         let expected = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::splat(linear_188)][which];
         let (albedo, emission) = (volume.albedo[grid.index(cell)], volume.emission[grid.index(cell)]);
-        assert!((albedo.truncate() - expected).abs().max_element() < 1e-4, "{albedo} at {p}");
+        assert!((albedo.truncate() - expected).abs().max_element() < SRGB_ERROR, "{albedo} at {p}");
         let expected = Vec3::new(2.0, 4.0, 6.0) * expected;
-        assert!((emission.truncate() - expected).abs().max_element() < 1e-3, "{emission} at {p}");
+        assert!((emission.truncate() - expected).abs().max_element() < 6.0 * SRGB_ERROR, "{emission} at {p}");
     }
     assert_eq!(counts, [9; 4]);
+    Ok(())
 }
 
-#[test]
-fn masks_have_holes() {
+fn masks_have_holes(gpu: &Gpu) -> Result<(), Failed> {
     let (hole, leaf) = ([255, 255, 255, 0], [255; 4]);
     for (alpha, solid) in
         [(AlphaMode::Mask { cutoff: 0.5 }, 32), (AlphaMode::Blend, 32), (AlphaMode::Opaque, 64)]
     {
         let material = Material { base_color_texture: Some(0), alpha, ..Material::default() };
         let (scene, grid) = (textured_square(material, &[hole, leaf, hole, leaf]), square_grid());
-        let cells = marked(&voxelize(&[&scene], &grid), &grid);
+        let cells = marked(&voxelize(gpu, &scene, &grid)?, &grid);
         assert_eq!(cells.len(), solid, "{alpha:?}");
         assert!(solid == 64 || cells.iter().all(|&c| grid.center(c).x > 0.5));
     }
+    Ok(())
 }
 
 /// Instances go where their matrices put them, mirrored and stretched ones too.
-#[test]
-fn instances_are_placed() {
+fn instances_are_placed(gpu: &Gpu) -> Result<(), Failed> {
     let mut scene = cube(0.4);
     let stretch = Mat4::from_scale(Vec3::new(-1.0, 2.0, 0.5));
     scene.instances = vec![
         Instance { mesh: 0, world_from_local: Mat4::from_translation(Vec3::new(2.0, 0.0, 0.0)) },
         Instance { mesh: 0, world_from_local: Mat4::from_translation(Vec3::new(-2.0, 0.0, 0.0)) * stretch },
     ];
-    let grid = Grid::fit_with_margin(&scene.bounds(), 40).unwrap();
-    let volume = voxelize(&[&scene], &grid);
+    let grid = Grid::fit_with_margin(&scene.bounds(), 40)?;
+    let volume = voxelize(gpu, &scene, &grid)?;
     for (middle, half) in
         [(Vec3::new(2.0, 0.0, 0.0), Vec3::splat(0.4)), (Vec3::new(-2.0, 0.0, 0.0), Vec3::new(0.4, 0.8, 0.2))]
     {
@@ -227,4 +278,33 @@ fn instances_are_placed() {
         }
         assert!(count > 100);
     }
+    Ok(())
+}
+
+/// After each move the volume and its sub-cells are those of a renderer that never saw another moment.
+fn what_moves_is_voxelized_anew(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = sliding_block();
+    let settings =
+        Settings { voxels: VoxelSource::Triangles, gi: GiMethod::Gather, clip: Some(0), ..small() };
+    let read = |renderer: &Renderer| -> Result<_, Failed> {
+        let gathered = renderer.gathered().ok_or("no gathered light")?;
+        let normals = renderer.volume().read_back(gpu)?.channel(NORMAL).map(<[_]>::to_vec);
+        Ok((normals.ok_or("no normals")?, gathered.read_subcells(gpu)?))
+    };
+    let mut moving = Renderer::new(gpu, &scene, settings)?;
+    let mut before = Vec::new();
+    for seconds in [0.0, 0.4, 1.0, 0.4] {
+        let pose = scene.pose(0, seconds);
+        scene.apply(&pose);
+        moving.set_pose(&pose);
+        moving.frame(None)?;
+        let mut fresh = Renderer::new(gpu, &scene, settings)?;
+        fresh.frame(None)?;
+        let (found, expected) = (read(&moving)?, read(&fresh)?);
+        let filled: u32 = found.1.iter().map(|bits| bits.count_ones()).sum();
+        assert!(filled > 1000 && found.1 != before, "{seconds} s: {filled} sub-cells");
+        assert!(found == expected, "{seconds} s");
+        before = found.1;
+    }
+    Ok(())
 }
