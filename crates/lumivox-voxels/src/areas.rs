@@ -14,12 +14,14 @@ use crate::sparse::SIDE;
 /// Edges of the part of a triangle between two planes: of the side through the middle corner the lower and the upper
 /// part, the long side, and two chords; one more makes pairs.
 const EDGES: usize = 6;
-/// Most layers have no more than these.
-const FEW: usize = 4;
+/// Of these the ones that a whole triangle has, and one more.
+const WHOLE: usize = 4;
 const LOWER: usize = 0;
 const UPPER: usize = 1;
 const LONG: usize = 2;
-const CHORD: usize = 3;
+// Number 3 stays empty.
+const BOTTOM: usize = 4;
+const TOP: usize = 5;
 /// Layers of cells of a triangle that are there at once: those of eight bricks one above the other.
 const LAYERS: usize = 64;
 /// Heights over one cell that differ by less count as level: quotients of such differences have no digits.
@@ -48,49 +50,30 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The edges of the part in one layer of cells, from `x` to `x_end`, at height `y` where they begin. Upright ones enclose
-/// nothing with the axis, and are left out.
+/// The edges of the part in one layer of cells, from `x` to `x_end`, at height `y` where they begin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Layer {
-    count: usize,
     x: [f64; EDGES],
     x_end: [f64; EDGES],
     y: [f64; EDGES],
-    slope: [f64; EDGES],
-    inverse: [f64; EDGES],
+    is_whole: bool,
 }
 
 impl Layer {
-    #[inline(always)]
-    fn push(&mut self, slopes: &Slopes, edge: usize, from: DVec3, to: DVec3) {
-        if from.x == to.x {
-            return;
-        }
-        let n = self.count;
-        self.count += 1;
-        (self.x[n], self.x_end[n], self.y[n]) = (from.x, to.x, from.y);
-        (self.slope[n], self.inverse[n]) = (slopes.slope[edge], slopes.inverse[edge]);
-    }
-
-    /// Makes places without an edge edges of no length.
-    #[inline(always)]
-    fn finish(&mut self) {
-        for n in self.count..EDGES {
-            (self.x[n], self.x_end[n], self.y[n]) = (0.0, 0.0, 0.0);
-            (self.slope[n], self.inverse[n]) = (0.0, 0.0);
-        }
+    fn set(&mut self, edge: usize, from: DVec3, to: DVec3) {
+        (self.x[edge], self.x_end[edge], self.y[edge]) = (from.x, to.x, from.y);
     }
 
     /// The area of the part in the unit square at `low`, with a sign.
     #[inline(always)]
-    fn within<const N: usize>(&self, low: [f64; 2]) -> f64 {
+    fn within<const N: usize>(&self, slopes: &Slopes, low: [f64; 2]) -> f64 {
         let mut below = [0.0; N];
         for (n, below) in below.iter_mut().enumerate() {
             let from = smaller(larger(self.x[n], low[0]), low[0] + 1.0);
             let to = smaller(larger(self.x_end[n], low[0]), low[0] + 1.0);
-            let from_height = self.y[n] - low[1] + self.slope[n] * (from - self.x[n]);
-            let to_height = self.y[n] - low[1] + self.slope[n] * (to - self.x[n]);
-            let slanted = (integral(to_height) - integral(from_height)) * self.inverse[n];
+            let from_height = self.y[n] - low[1] + slopes.slope[n] * (from - self.x[n]);
+            let to_height = self.y[n] - low[1] + slopes.slope[n] * (to - self.x[n]);
+            let slanted = (integral(to_height) - integral(from_height)) * slopes.inverse[n];
             let level = unit_clamped(0.5 * (from_height + to_height)) * (to - from);
             *below = if (to_height - from_height).abs() > LEVEL { slanted } else { level };
         }
@@ -101,8 +84,8 @@ impl Layer {
 /// What an edge rises by per unit, and the inverse; zero for upright and level ones. All chords are parallel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slopes {
-    slope: [f64; 4],
-    inverse: [f64; 4],
+    slope: [f64; EDGES],
+    inverse: [f64; EDGES],
 }
 
 impl Slopes {
@@ -202,9 +185,9 @@ impl Areas {
         }
         let layer = &self.layers[number];
         let low = [f64::from(cell[0]), f64::from(cell[1])];
-        let sum = match layer.count <= FEW {
-            true => layer.within::<FEW>(low),
-            false => layer.within::<EDGES>(low),
+        let sum = match layer.is_whole {
+            true => layer.within::<WHOLE>(&self.slopes, low),
+            false => layer.within::<EDGES>(&self.slopes, low),
         };
         self.scale * sum.abs()
     }
@@ -212,7 +195,7 @@ impl Areas {
     /// Appends the areas in some cells that the triangle marks. With `is_all` they are all that it marks, and
     /// lie in no more than eight bricks: then the areas of a layer add up to what two cuts leave of the triangle, and one of them
     /// need not be worked out.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn of_cells(
         &mut self,
         triangle: &Triangle,
@@ -270,7 +253,9 @@ impl Areas {
             self.per_height[edge] = if way.z == 0.0 { 0.0 } else { 1.0 / way.z };
         }
         let [p, q, _] = turned(self.axis, self.normal.to_array());
-        self.slopes.set(CHORD, q, -p);
+        self.slopes.set(BOTTOM, q, -p);
+        (self.slopes.slope[TOP], self.slopes.inverse[TOP]) =
+            (self.slopes.slope[BOTTOM], self.slopes.inverse[BOTTOM]);
         self.corners = corners;
     }
 
@@ -280,13 +265,13 @@ impl Areas {
             self.set(triangle);
         }
         let [low, middle, high] = self.corners;
-        let (slopes, layer) = (&self.slopes, &mut self.layers[number]);
-        layer.count = 0;
-        if triangle.reach.low[self.axis] == triangle.reach.high[self.axis] {
-            layer.push(slopes, LOWER, low, middle);
-            layer.push(slopes, UPPER, middle, high);
-            layer.push(slopes, LONG, high, low);
-            return layer.finish();
+        let layer = &mut self.layers[number];
+        layer.is_whole = triangle.reach.low[self.axis] == triangle.reach.high[self.axis];
+        if layer.is_whole {
+            layer.set(LOWER, low, middle);
+            layer.set(UPPER, middle, high);
+            layer.set(LONG, high, low);
+            return;
         }
         let bottom = f64::from(height).max(low.z);
         let top = (f64::from(height) + 1.0).min(high.z);
@@ -299,25 +284,26 @@ impl Areas {
         let (begin, end) = match (bottom < middle.z, top < middle.z) {
             (true, true) => {
                 let ends = (lower(bottom), lower(top));
-                layer.push(slopes, LOWER, ends.0, ends.1);
+                layer.set(LOWER, ends.0, ends.1);
+                layer.set(UPPER, ends.1, ends.1);
                 ends
             }
             (true, false) => {
                 let ends = (lower(bottom), upper(top));
-                layer.push(slopes, LOWER, ends.0, middle);
-                layer.push(slopes, UPPER, middle, ends.1);
+                layer.set(LOWER, ends.0, middle);
+                layer.set(UPPER, middle, ends.1);
                 ends
             }
             _ => {
                 let ends = (upper(bottom), upper(top));
-                layer.push(slopes, UPPER, ends.0, ends.1);
+                layer.set(LOWER, ends.0, ends.0);
+                layer.set(UPPER, ends.0, ends.1);
                 ends
             }
         };
-        layer.push(slopes, CHORD, long[0], begin);
-        layer.push(slopes, CHORD, end, long[1]);
-        layer.push(slopes, LONG, long[1], long[0]);
-        layer.finish();
+        layer.set(BOTTOM, long[0], begin);
+        layer.set(TOP, end, long[1]);
+        layer.set(LONG, long[1], long[0]);
     }
 }
 

@@ -1,8 +1,8 @@
 //! From triangles to bricks: which triangles each brick has to look at.
 //!
 //! A chunk of triangles at a time, each thread for itself. A triangle goes to the bricks that it touches, found by the
-//! same walk that finds cells, on a grid of bricks. Where only occupancy is wanted, or flat triangles are summed, triangles of few
-//! bricks are done with at once, and no list is needed.
+//! same walk that finds cells, on a grid of bricks. Where only occupancy is wanted, triangles of few bricks mark their
+//! cells at once, and no list is needed; small flat triangles are summed at once.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -18,6 +18,10 @@ use crate::surface::Face;
 /// Triangles that reach more bricks than this leave their cells to the stage that works brick by brick, so that one
 /// large triangle keeps all threads busy.
 const FEW_BRICKS: i32 = 8;
+
+/// Flat triangles that reach no more steps from cell to cell than this are summed at once. Larger ones leave so much that it is better
+/// done brick by brick, where sums stay at hand.
+const SMALL: i32 = 3;
 
 /// Pairs of triangle and brick that take as much memory as one sum, and as the mask of a brick. What sums are looked up with is
 /// gone with the chunk.
@@ -252,7 +256,7 @@ pub(crate) fn bin(
     Some(builder.finish(skipped))
 }
 
-/// Sums a triangle that reaches few bricks, if it is flat. Which triangles these are does not depend on the slab, so that
+/// Sums a small triangle, if it is flat. Which triangles these are does not depend on the slab, so that
 /// neither do the bits of the sums.
 #[inline(always)]
 fn sum_flat(
@@ -264,8 +268,7 @@ fn sum_flat(
     (mesh, number): (usize, u32),
     reach: CellBox,
 ) -> bool {
-    let bricks = reach.coarser(SHIFT);
-    if (bricks.high - bricks.low + 1).element_product() > FEW_BRICKS {
+    if (reach.high - reach.low).element_sum() > SMALL {
         return false;
     }
     if reach.intersection(cells).is_empty() {

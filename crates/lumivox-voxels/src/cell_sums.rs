@@ -1,7 +1,7 @@
-//! Sums of flat triangles, cell by cell, while triangles are binned.
+//! Sums of small flat triangles, cell by cell, while triangles are binned.
 //!
-//! Most triangles are small: what they leave in cells takes less than to look them up again brick by brick. So their areas
-//! and normals are summed where they are met first, and bricks get one entry for a cell and chunk. Sums are integers, so that it does
+//! What a small triangle leaves in cells takes less than to look it up again brick by brick. So areas and normals of these
+//! are summed where they are met first, and bricks get one entry for a cell and chunk. Sums are integers, so that it does
 //! not matter which.
 
 use glam::{DVec3, IVec3};
@@ -30,8 +30,7 @@ pub(crate) struct Closed {
 #[derive(Default)]
 pub(crate) struct CellSums {
     /// Where the sum of each cell of each brick is.
-    #[expect(clippy::vec_box, reason = "two KiB each, which a growing list would copy")]
-    places: Vec<Box<[u32; CELLS]>>,
+    places: Vec<[u32; CELLS]>,
     sums: Vec<FlatPiece>,
     closed: Vec<(u32, Closed)>,
 }
@@ -41,7 +40,7 @@ impl CellSums {
     #[inline]
     pub(crate) fn make_room(&mut self, bricks: usize) {
         if self.places.len() < bricks {
-            self.places.resize_with(bricks, || Box::new([NONE; CELLS]));
+            self.places.resize(bricks, [NONE; CELLS]);
         }
     }
 
