@@ -29,6 +29,8 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Turn meshes into voxel volumes: occupancy, colours, normals, in the format of your tool.
     Voxelize(crate::voxelize::VoxelizeArgs),
+    /// Bake the visibility field of a rigid object, or look at one: maps, sizes, errors against true rays.
+    Field(crate::field::FieldArgs),
     /// Hold our light against a path tracer's, or another renderer's: errors, pictures, differences.
     Compare(crate::compare::CompareArgs),
     /// Make the papers' tables and figures on this machine: times, counts and pictures beside the papers' own.
@@ -130,10 +132,46 @@ pub(crate) struct ShotArgs {
     pub(crate) gpu: GpuArgs,
 }
 
+/// How visibility fields of rigid objects are used.
+#[derive(Debug, Args)]
+pub(crate) struct ObjectArgs {
+    /// How objects take light of the sky: as in shadow maps, or by their visibility fields.
+    #[arg(long, value_enum, default_value = "maps")]
+    pub(crate) ao: ByArg,
+    /// How objects throw shadows in the light of lamps: as in shadow maps, or softly by their visibility fields.
+    #[arg(long, value_enum, default_value = "maps")]
+    pub(crate) shadows: ByArg,
+    /// Meshes that have visibility fields, by the beginnings of their names. What moves rigidly, unless said otherwise.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub(crate) casters: Vec<String>,
+    /// Rays per pixel into visibility fields, for occlusion and for each light. Stills take 64, series 16 unless said otherwise.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) field_rays: Option<u32>,
+    /// Sample points of each field: 82, 290, 1090, 4226 or 16642.
+    #[arg(long, value_name = "N", default_value_t = 4226)]
+    pub(crate) field_points: u32,
+    /// Directions along a side of each of its maps: 32, 64, 128 or 256.
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    pub(crate) field_directions: u32,
+    /// Radius of point and spot lights in soft shadows, metres.
+    #[arg(long, value_name = "METRES", default_value_t = 0.1)]
+    pub(crate) light_radius: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ByArg {
+    /// Shadow maps.
+    Maps,
+    /// Visibility fields.
+    Field,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) shot: ShotArgs,
+    #[command(flatten)]
+    pub(crate) objects: ObjectArgs,
     /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png, or an animation, name.gif.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
@@ -301,6 +339,8 @@ pub(crate) enum LayerArg {
     Glossy,
     /// Where gathered light would leak if pixels did not look: blue for nowhere, red for all of it.
     Leaks,
+    /// What objects with visibility fields let through of the sky's light; with --ao field.
+    Occlusion,
 }
 
 impl From<LayerArg> for Layer {
@@ -316,6 +356,7 @@ impl From<LayerArg> for Layer {
             LayerArg::Lobes => Self::Lobes,
             LayerArg::Leaks => Self::Leaks,
             LayerArg::Glossy => Self::Glossy,
+            LayerArg::Occlusion => Self::Occlusion,
         }
     }
 }

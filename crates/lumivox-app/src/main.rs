@@ -5,6 +5,7 @@ mod bench;
 mod clock;
 mod compare;
 mod demo;
+mod field;
 mod framing;
 mod framing_cells;
 mod info;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         args::Command::Demo(demo) => demo::run(demo),
         args::Command::Render(render) => render::run(render),
         args::Command::Voxelize(voxelize) => voxelize::run(voxelize),
+        args::Command::Field(field) => field::run(field),
         args::Command::Compare(compare) => compare::run(compare),
         args::Command::Bench(bench) => bench::run(bench),
         args::Command::Info(info) => info::run(info),

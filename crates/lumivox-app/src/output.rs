@@ -26,7 +26,7 @@ impl Picture {
             Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels | Layer::Lobes | Layer::Glossy => {
                 tone::tone_mapped(*p, exposure_ev)
             }
-            Layer::Albedo | Layer::Normal | Layer::Leaks => tone::srgb_bytes(*p),
+            Layer::Albedo | Layer::Normal | Layer::Leaks | Layer::Occlusion => tone::srgb_bytes(*p),
             Layer::Depth => [(255.0 * (1.0 - p.x / farthest).clamp(0.0, 1.0)) as u8; 3],
         });
         let mut image = RgbImage::new(self.width, self.height);

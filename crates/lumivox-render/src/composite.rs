@@ -5,6 +5,7 @@ use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, Tex
 use lumivox::{wgpu, wgsl};
 use lumivox_scene::SkyMap;
 
+use crate::direct::all_light;
 use crate::lights::Sky;
 use crate::surface::{HDR_FORMAT, SurfaceView};
 
@@ -39,6 +40,8 @@ pub enum Layer {
     /// Where light would leak: the share of a pixel's gathered light that would come from surfaces it cannot see, if it did not
     /// look.
     Leaks,
+    /// What objects with visibility fields let through of the light from all around, 0 to 1.
+    Occlusion,
 }
 
 lumivox::gpu_struct! {
@@ -58,10 +61,15 @@ pub struct CompositePass {
     uniform: Uniform<CompositeUniform>,
     sky: Vec3,
     sky_map: Texture,
+    /// Stands where there is no occlusion.
+    all: Texture,
 }
 
 impl CompositePass {
     /// Compiles it, for a sky to be seen behind everything.
+    ///
+    /// # Errors
+    /// Those of the device.
     pub fn new(gpu: &Gpu, sky: &Sky) -> Result<Self, GpuError> {
         let nothing = CompositeUniform { sky: Vec3::ZERO, layer: 0 };
         Ok(Self {
@@ -69,6 +77,7 @@ impl CompositePass {
             uniform: Uniform::new(gpu, "render/composite", &nothing),
             sky: sky.constant,
             sky_map: sky_texture(gpu, sky)?,
+            all: all_light(gpu)?,
         })
     }
 
@@ -83,6 +92,7 @@ impl CompositePass {
             Layer::Depth => 5,
             Layer::Leaks => 6,
             Layer::Glossy => 7,
+            Layer::Occlusion => 8,
         };
         self.uniform.write(gpu, &CompositeUniform { sky: self.sky, layer: number });
     }
@@ -94,6 +104,7 @@ impl CompositePass {
         encoder: &mut wgpu::CommandEncoder,
         camera: &SurfaceView,
         irradiance: &Texture,
+        occlusion: Option<&Texture>,
         picture: &mut Texture,
     ) -> Result<(), GpuError> {
         let gbuffer = &camera.input.textures;
@@ -106,7 +117,8 @@ impl CompositePass {
             .read("emission", &gbuffer.emission)
             .read("radiance", &gbuffer.radiance)
             .read("sky_map", &self.sky_map)
-            .read("irradiance", irradiance);
+            .read("irradiance", irradiance)
+            .read("occlusion", occlusion.unwrap_or(&self.all));
         self.pass.record(gpu, encoder, &bindings, picture, false)
     }
 }

@@ -14,6 +14,8 @@ struct CompositeUniform {
 @group(0) @binding(6) var radiance: texture_2d<f32>;
 @group(0) @binding(7) var irradiance: texture_2d<f32>;
 @group(0) @binding(8) var sky_map: texture_2d<f32>;
+// For each pixel, or one texel for all.
+@group(0) @binding(9) var occlusion: texture_2d<f32>;
 
 const PI: f32 = 3.1415927;
 
@@ -64,6 +66,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 5u: { shown = vec3f(eye_distance(view, world_from_texel(view, texel, pixel_depth))); }
         case 7u: { shown = textureLoad(irradiance, texel, 0).rgb; }
         case 6u: { shown = heat(textureLoad(irradiance, texel, 0).r); }
+        case 8u: { shown = textureLoad(occlusion, min(texel, textureDimensions(occlusion) - 1u), 0).rrr; }
         default: { shown = direct + indirect + textureLoad(emission, texel, 0).rgb; }
     }
     return vec4f(min(shown, vec3f(HALF_MAX)), 1.0);

@@ -10,7 +10,8 @@
 //! Radiance is summed in 32-bit floats, from one texture into another: core WebGPU cannot blend these, and half floats would
 //! round away the samples of many batches.
 
-use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
+use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, TextureOptions};
+use lumivox::visibility::FACTOR_FORMAT;
 use lumivox::{wgpu, wgsl};
 
 use crate::lights::LIGHTS;
@@ -25,22 +26,31 @@ pub const SHADER: Shader = Shader {
 
 /// The pass.
 #[derive(Debug)]
-pub struct DirectPass(FullscreenPass);
+pub struct DirectPass {
+    pass: FullscreenPass,
+    /// Stands where no object with a field takes light.
+    all: Texture,
+}
 
 impl DirectPass {
     /// Compiles it.
-    pub fn new(gpu: &Gpu) -> Self {
-        Self(FullscreenPass::new(gpu, &SHADER, RADIANCE_FORMAT, false))
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let pass = FullscreenPass::new(gpu, &SHADER, RADIANCE_FORMAT, false);
+        Ok(Self { pass, all: all_light(gpu)? })
     }
 
-    /// Adds what a batch of views lets the camera's surfaces reflect to the camera's radiance. `spare` is a texture like the
+    /// Adds what a batch of views lets the camera's surfaces reflect to the camera's radiance, times what objects let through where
+    /// these are given as a factor for each pixel. `spare` is a texture like the
     /// camera's radiance, with which it changes places.
     pub fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         lights: &ShadowedLights,
-        batch: &ShadowBatch,
+        (batch, factor): (&ShadowBatch, Option<&Texture>),
         camera: &mut SurfaceView,
         spare: &mut Texture,
     ) -> Result<(), GpuError> {
@@ -56,9 +66,25 @@ impl DirectPass {
             .read("albedo", &gbuffer.albedo)
             .read("emission", &gbuffer.emission)
             .read("shadow_atlas", &lights.atlas)
-            .read("radiance_before", &gbuffer.radiance);
-        self.0.record(gpu, encoder, &bindings, spare, false)?;
+            .read("radiance_before", &gbuffer.radiance)
+            .read("object_factor", factor.unwrap_or(&self.all));
+        self.pass.record(gpu, encoder, &bindings, spare, false)?;
         std::mem::swap(&mut gbuffer.radiance, spare);
         Ok(())
     }
+}
+
+/// A texel of one.
+pub(crate) fn all_light(gpu: &Gpu) -> Result<Texture, GpuError> {
+    let options = TextureOptions {
+        size: [1, 1],
+        format: FACTOR_FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        mips: 1,
+    };
+    let texture = Texture::new(gpu, "direct/all", options)?;
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: None, rows_per_image: None };
+    let one = half::f16::ONE.to_le_bytes();
+    gpu.queue.write_texture(texture.raw.as_image_copy(), &one, layout, texture.raw.size());
+    Ok(texture)
 }

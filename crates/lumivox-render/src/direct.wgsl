@@ -29,6 +29,8 @@ struct ShadowBatchUniform {
 @group(0) @binding(7) var emission: texture_2d<f32>;
 @group(0) @binding(8) var shadow_atlas: texture_depth_2d;
 @group(0) @binding(9) var radiance_before: texture_2d<f32>;
+// What objects with visibility fields let through at each pixel, or one texel for all.
+@group(0) @binding(10) var object_factor: texture_2d<f32>;
 
 // How far the receiver's plane is moved along its normal, in texels.
 const PLANE_OFFSET: f32 = 0.15;
@@ -112,5 +114,6 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     for (var i = 0u; i < batch.view_count; i++) {
         irradiance += arriving(shadow_views[batch.first_view + i], receiver);
     }
-    return before + vec4f(textureLoad(albedo, texel, 0).rgb / PI * irradiance, 0.0);
+    let through = textureLoad(object_factor, min(texel, textureDimensions(object_factor) - 1u), 0).r;
+    return before + vec4f(textureLoad(albedo, texel, 0).rgb / PI * (through * irradiance), 0.0);
 }

@@ -81,6 +81,8 @@ pub struct Draw {
     pub is_masked: bool,
     /// Whether the camera sees it; lights always do.
     pub in_camera: bool,
+    /// Whether it is an object with a visibility field.
+    pub is_caster: bool,
 }
 
 /// What is drawn.
@@ -147,6 +149,14 @@ impl GpuScene {
             materials,
         };
         Ok((gpu_scene, textures))
+    }
+
+    /// Says which of the scene's instances are objects with visibility fields.
+    pub(crate) fn set_casters(&mut self, instances: impl Iterator<Item = usize>) {
+        for instance in instances {
+            let draws = self.draws.iter_mut().filter(|d| d.in_camera && d.instance as usize == instance);
+            draws.for_each(|draw| draw.is_caster = true);
+        }
     }
 
     /// Moves the scene, from the next submission on; for a pose of the scene that this was made of.
@@ -228,6 +238,7 @@ impl Geometry {
                 material: self.material_count + material,
                 is_masked: scene.materials[material].alpha != AlphaMode::Opaque,
                 in_camera,
+                is_caster: false,
             });
             self.matrices.push(instance.world_from_local);
         }

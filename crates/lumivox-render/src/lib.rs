@@ -36,7 +36,9 @@ mod voxel_meshes;
 pub mod voxel_view;
 
 pub use composite::Layer;
-pub use renderer::{FrameStats, GiMethod, Renderer, RendererError, Settings, VoxelSource};
+pub use renderer::{
+    Caster, FrameStats, GiMethod, ObjectFields, Renderer, RendererError, Settings, VoxelSource,
+};
 
 /// Every shader of this crate, for validation and for reading.
 pub fn shaders() -> Vec<lumivox::gpu::Shader> {

@@ -13,7 +13,7 @@ use lumivox::{wgpu, wgsl};
 
 use crate::gpu_scene::{GpuScene, VERTEX_BUFFERS};
 use crate::material_textures::MaterialTextures;
-use crate::renderer::ShadowTile;
+use crate::renderer::{Shade, ShadowBatch};
 use crate::surface::{DEPTH_FORMAT, SURFACE, material_options};
 
 /// The shader of opaque surfaces.
@@ -42,13 +42,14 @@ impl ShadowPass {
         Ok(Self { opaque, masked, materials })
     }
 
-    /// Draws the depth of everything that some views see, 1 near to 0 far, each into its tile of the atlas.
+    /// Draws the depth of everything that the views of a batch see, 1 near to 0 far, each into its tile of the atlas. Objects with
+    /// visibility fields are left out where these stand for them.
     pub fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         scene: &GpuScene,
-        tiles: &[ShadowTile],
+        batch: &ShadowBatch,
         atlas: &Texture,
     ) -> Result<(), GpuError> {
         gpu.check()?;
@@ -68,12 +69,16 @@ impl ShadowPass {
         pass.set_vertex_buffer(1, scene.paints.raw.slice(..));
         pass.set_index_buffer(scene.indices.raw.slice(..), wgpu::IndexFormat::Uint32);
         for (is_masked, (pipeline, program)) in [(false, &self.opaque), (true, &self.masked)] {
-            let draws = || scene.draws.iter().filter(|d| d.is_masked == is_masked);
+            let with_casters = batch.shade == Shade::Maps;
+            let draws = || {
+                let all = scene.draws.iter().filter(|d| d.is_masked == is_masked);
+                all.filter(|d| with_casters || !d.is_caster)
+            };
             if draws().next().is_none() {
                 continue;
             }
             pass.set_pipeline(pipeline);
-            for tile in tiles {
+            for tile in &batch.tiles {
                 let bindings = Bindings::new().read("view", &tile.view).read("instances", &scene.instances);
                 pass.set_bind_group(0, &program.bind(gpu, 0, &bindings)?, &[]);
                 let (corner, size) = (tile.corner.as_vec2(), tile.size as f32);

@@ -10,6 +10,7 @@
 mod arguments;
 mod compare;
 mod direct_light;
+mod field;
 mod files;
 #[cfg(unix)]
 mod full_disk;
@@ -43,6 +44,8 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("files cut off anywhere are named", files::cut_files),
     ("references that cannot be compared with are named", compare::wrong_references),
     ("help and version succeed", arguments::help),
+    ("field names what is wrong", field::wrong_arguments),
+    ("field bakes, draws, checks and reads", field::baked),
     ("voxelize names what is wrong before it begins", voxelize::wrong_arguments),
     ("voxelize writes the same cells in every format", voxelize::formats),
     ("voxelize takes any grid, and tells what it did", voxelize::grids),
@@ -97,6 +100,7 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("direct light of lamps in the room is the path tracer's", direct_light::lamps_in_the_room),
     ("direct light of the sky in a box is the path tracer's", direct_light::sky_in_a_box),
     ("a demo writes all it promises", others::demo),
+    ("pictures by visibility fields", field::pictures),
     ("info tells adapters and limits", others::info),
     ("voxelize on a GPU has the exact cells, but for margins", voxelize_gpu::coverages),
     ("voxelize runs every method", voxelize_gpu::methods),

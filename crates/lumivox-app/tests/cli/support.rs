@@ -38,6 +38,7 @@ impl Folder {
         let mut command = Command::new(program);
         // Drivers complain on stderr when there is no folder for them.
         command.current_dir(&self.0).env_remove("LUMIVOX_LOG").env("XDG_RUNTIME_DIR", &self.0);
+        command.env("LUMIVOX_CACHE", &self.0);
         command
     }
 

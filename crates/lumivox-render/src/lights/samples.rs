@@ -19,9 +19,11 @@ pub struct LightSample {
     pub shape: ViewShape,
     /// Whether it is one of many.
     pub is_area: bool,
+    /// Number of the light that it is, or is a sample of; none for the sky.
+    pub source: Option<usize>,
 }
 
-/// The samples of a light; area lights are cut into `count`.
+/// The samples of a light, as light number 0; area lights are cut into `count`.
 pub fn light_samples(light: &Light, count: u32) -> Vec<LightSample> {
     if let Light::Rect { origin, u, v, radiance } = *light {
         return rect_samples(origin, u, v, radiance, count);
@@ -31,14 +33,21 @@ pub fn light_samples(light: &Light, count: u32) -> Vec<LightSample> {
         Light::Spot { cutoff, .. } => ViewShape::Cone { half_angle: cutoff },
         _ => ViewShape::Parallel,
     };
-    point_like(light).map(|uniform| LightSample { uniform, shape, is_area: false }).into_iter().collect()
+    point_like(light)
+        .map(|uniform| LightSample { uniform, shape, is_area: false, source: Some(0) })
+        .into_iter()
+        .collect()
 }
 
 /// The samples of all lights and of the sky, which has none where it is black. The sky is cut into `of_sky`, a rect light
 /// into a quarter of `count`, since it needs five views a sample.
 pub fn area_samples(lights: &[Light], sky: &Sky, count: u32, of_sky: u32) -> Vec<LightSample> {
     let sky = if sky.is_black() { Vec::new() } else { sky_samples(sky, of_sky) };
-    lights.iter().flat_map(|l| light_samples(l, count.div_ceil(4))).chain(sky).collect()
+    let of_light = |(n, light)| {
+        let samples = light_samples(light, count.div_ceil(4)).into_iter();
+        samples.map(move |sample| LightSample { source: Some(n), ..sample })
+    };
+    lights.iter().enumerate().flat_map(of_light).chain(sky).collect()
 }
 
 /// What is left of `start` and `n` golden sections without whole turns. In integers: a float of 32 bits has room for three
@@ -66,6 +75,7 @@ fn rect_samples(origin: Vec3, u: Vec3, v: Vec3, radiance: Vec3, count: u32) -> V
                 },
                 shape: ViewShape::Half,
                 is_area: true,
+                source: Some(0),
             }
         })
         .collect()
@@ -107,6 +117,7 @@ pub fn sky_samples(sky: &Sky, count: u32) -> Vec<LightSample> {
                 },
                 shape: ViewShape::Parallel,
                 is_area: true,
+                source: None,
             }
         })
         .collect();

@@ -1,12 +1,13 @@
 //! The frame: what is rendered, in which order, from what into what.
 
+mod field_objects;
 mod indirect;
 mod injected_lights;
 mod settings;
 mod shadowed_lights;
 mod view_voxelizer;
 
-use glam::{UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec3};
 use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, GridError, View};
 use lumivox::gather::{GatheredLight, SurfelCount};
@@ -24,10 +25,13 @@ use crate::shadow::ShadowPass;
 use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
 use crate::triangle_voxelizer::TriangleVoxelizer;
 use crate::voxel_view::VoxelView;
+use field_objects::FieldObjects;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
 use view_voxelizer::{Target, ViewVoxelizer};
 
+pub(crate) use field_objects::Shade;
+pub use field_objects::{Caster, ObjectFields};
 pub use settings::{GiMethod, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
 
@@ -64,6 +68,10 @@ pub struct Renderer {
     scale: InjectionScale,
     scene: GpuScene,
     camera: SurfaceView,
+    objects: Option<FieldObjects>,
+    /// Where the scene's instances stand.
+    places: Vec<Mat4>,
+    lights: Vec<Light>,
     shadowed: ShadowedLights,
     injected: InjectedLights,
     sky: Sky,
@@ -94,6 +102,20 @@ impl Renderer {
     /// # Errors
     /// An empty scene, a grid that does not fit the device (with the numbers and the largest that would), or the device's.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: Settings) -> Result<Self, RendererError> {
+        Self::with_fields(gpu, scene, settings, &ObjectFields::default())
+    }
+
+    /// The same with visibility fields of some of the scene's objects, for [`Settings::occlusion`] and
+    /// [`Settings::soft_shadows`].
+    ///
+    /// # Errors
+    /// As [`Self::new`], and fields that do not fit the device.
+    pub fn with_fields(
+        gpu: &Gpu,
+        scene: &Scene,
+        settings: Settings,
+        fields: &ObjectFields,
+    ) -> Result<Self, RendererError> {
         let bounds = settings.clip.map_or_else(|| scene.bounds(), |clip| scene.bounds_in_motion(clip));
         if scene.triangle_count() == 0 || bounds.is_empty() {
             return Err(RendererError::EmptyScene);
@@ -105,7 +127,10 @@ impl Renderer {
         let sky = Sky::of(scene);
         let indirect = Indirect::new(gpu, &volume, &settings, &sky)?;
         let panels = lights::panels(&scene.lights);
-        let (gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
+        let (mut gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
+        let objects = FieldObjects::new(gpu, scene, &settings, fields)?;
+        gpu_scene.set_casters(objects.iter().flat_map(FieldObjects::instances));
+        let shade = |source| objects.as_ref().map_or(Shade::Maps, |o| o.shade(source));
         let from_triangles = settings.voxels == VoxelSource::Triangles && needs_volume(&settings);
         let triangles = from_triangles.then(|| {
             let (scenes, gathers) = ((scene, &panels), matches!(indirect, Indirect::Gathered(_)));
@@ -128,10 +153,13 @@ impl Renderer {
             shadow_pass: ShadowPass::new(gpu, &gpu_scene, &textures)?,
             scene: gpu_scene,
             camera,
-            shadowed: ShadowedLights::new(gpu, for_picture, settings.shadow_size)?,
+            places: scene.instances.iter().map(|i| i.world_from_local).collect(),
+            lights: scene.lights.clone(),
+            shadowed: ShadowedLights::new(gpu, for_picture, settings.shadow_size, shade)?,
             injected,
+            objects,
             sky,
-            direct_pass: DirectPass::new(gpu),
+            direct_pass: DirectPass::new(gpu)?,
             composite_pass,
             voxel_view: VoxelView::new(gpu),
             lobes: None,
@@ -176,6 +204,7 @@ impl Renderer {
         self.injected.set(&self.gpu, &for_volume);
         let panels = lights::panels(lights);
         self.scene.set_panels(&self.gpu, &panels);
+        self.lights = lights.to_vec();
         if let Some(triangles) = &mut self.triangles {
             triangles.set_panels(&self.gpu, &panels);
         }
@@ -184,6 +213,7 @@ impl Renderer {
     /// Moves the scene and its lights, from the next frame on; for a pose of the scene that this was made of.
     pub fn set_pose(&mut self, pose: &Pose) {
         self.scene.set_pose(&self.gpu, pose);
+        self.places.clone_from(&pose.world_from_local);
         if let Some(triangles) = &mut self.triangles {
             triangles.set_pose(&self.gpu, pose);
         }
@@ -224,24 +254,31 @@ impl Renderer {
         let mut timer = StageTimer::new(&self.gpu, clock);
         self.voxelize_triangles(&mut timer)?;
         let Self { gpu, settings, scene, camera, shadowed, injected, volume, voxelizer, indirect, .. } = self;
-        let gpu = &*gpu;
+        let (gpu, objects) = (&*gpu, &mut self.objects);
 
         camera.update(gpu, self.scale);
         shadowed.update(gpu, &self.bounds, &camera.view);
         injected.update(gpu, &self.bounds, self.scale);
         indirect.update(gpu);
+        if let Some(objects) = objects {
+            objects.update(gpu, &self.places, &self.lights)?;
+        }
 
         // What the camera sees, and how it is lit.
         timer.stage(gpu, "raster/gbuffer", |e| {
             camera.record_clear_radiance(e);
             self.gbuffer_pass.record(gpu, e, scene, None, camera)
         })?;
+        if let Some(objects) = objects {
+            objects.record(gpu, &mut timer, &camera.input)?;
+        }
         for batch in &shadowed.batches {
             timer.stage(gpu, "raster/shadow", |e| {
-                self.shadow_pass.record(gpu, e, scene, &batch.tiles, &shadowed.atlas)
+                self.shadow_pass.record(gpu, e, scene, batch, &shadowed.atlas)
             })?;
+            let factor = objects.as_ref().and_then(|o| o.factor(batch.shade));
             timer.stage(gpu, "raster/direct", |e| {
-                self.direct_pass.record(gpu, e, shadowed, batch, camera, &mut self.spare_radiance)
+                self.direct_pass.record(gpu, e, shadowed, (batch, factor), camera, &mut self.spare_radiance)
             })?;
         }
 
@@ -333,6 +370,7 @@ impl Renderer {
     /// Light to picture.
     fn compose(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
         let Self { gpu, settings, camera, volume, indirect, irradiance, picture, .. } = self;
+        let occlusion = self.objects.as_ref().and_then(|o| o.factor(Shade::Occlusion));
         let mut timer = StageTimer::new(gpu, clock);
         timer.stage(gpu, "light/reconstruction", |e| match settings.layer {
             Layer::Leaks => indirect.record_leaks(gpu, e, volume, &camera.input, irradiance),
@@ -357,7 +395,7 @@ impl Renderer {
                 Some(lobes) => lobes.record(gpu, e, camera, picture),
                 None => Ok(()),
             },
-            _ => self.composite_pass.record(gpu, e, camera, irradiance, picture),
+            _ => self.composite_pass.record(gpu, e, camera, irradiance, occlusion, picture),
         })?;
         Ok(FrameStats { stages: timer.finish(gpu)? })
     }

@@ -4,6 +4,7 @@ use glam::UVec2;
 use lumivox::gather::{GatherSettings, Quality};
 use lumivox::light::{LightSettings, Reflection};
 use lumivox::lpv::Blocking;
+use lumivox::visibility::{OcclusionSettings, ShadowSettings};
 
 use crate::composite::Layer;
 use crate::voxel_view::{Slice, VoxelChannel};
@@ -80,6 +81,12 @@ pub struct Settings {
     /// Whether textures are filtered over the area of a pixel (mip levels, anisotropic), as pictures need it; without, they are
     /// looked up at a point and decoded exactly, as a path tracer does, to compare with one.
     pub filtered_textures: bool,
+    /// Whether objects with visibility fields take light of the sky by look-ups in these, in place of shadow maps, and how.
+    pub occlusion: Option<OcclusionSettings>,
+    /// The same for the shadows that they throw in the light of lamps.
+    pub soft_shadows: Option<ShadowSettings>,
+    /// Radius of point and spot lights in such shadows, metres.
+    pub light_radius: f32,
     /// What the picture shows.
     pub layer: Layer,
     /// Roughness of the surfaces in [`Layer::Glossy`], 0.3 to 1: less is a sharper mirror.
@@ -134,6 +141,9 @@ impl Default for Settings {
             rsm_size: 512,
             points: 512,
             filtered_textures: true,
+            occlusion: None,
+            soft_shadows: None,
+            light_radius: 0.1,
             layer: Layer::Final,
             roughness: 0.4,
             voxel_channel: VoxelChannel::Lit,

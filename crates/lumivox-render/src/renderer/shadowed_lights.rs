@@ -12,6 +12,7 @@ use lumivox::progressive::InjectionScale;
 use lumivox::wgsl::ViewUniform;
 
 use crate::lights::{self, LightSample, LightUniform, ViewShape};
+use crate::renderer::field_objects::Shade;
 use crate::surface::DEPTH_FORMAT;
 
 /// Shadow views are not injected.
@@ -77,6 +78,8 @@ pub struct ShadowedLights {
 pub struct ShadowBatch {
     pub(crate) uniform: Uniform<ShadowBatchUniform>,
     pub(crate) tiles: Vec<ShadowTile>,
+    /// What stands for objects with visibility fields in its light.
+    pub(crate) shade: Shade,
 }
 
 /// One view and where it is drawn.
@@ -90,13 +93,20 @@ pub struct ShadowTile {
 }
 
 impl ShadowedLights {
-    /// An atlas of `size` texels a side, and room for these samples.
-    pub fn new(gpu: &Gpu, samples: Vec<LightSample>, size: u32) -> Result<Self, GpuError> {
+    /// An atlas of `size` texels a side, and room for these samples; `shade` says for each source of light what stands for objects
+    /// with fields.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        samples: Vec<LightSample>,
+        size: u32,
+        shade: impl Fn(Option<usize>) -> Shade,
+    ) -> Result<Self, GpuError> {
         let points = samples.iter().filter(|s| s.shape == ViewShape::All).count();
         let tile_sizes: Vec<u32> =
             samples.iter().map(|s| (size / tiles_per_side(s, points)).max(1)).collect();
-        let views = samples.iter().zip(&tile_sizes).flat_map(|(s, t)| vec![*t; s.shape.count()]);
-        let views: Vec<u32> = views.collect();
+        let of_sample =
+            |(sample, size): (&LightSample, &u32)| vec![(*size, shade(sample.source)); sample.shape.count()];
+        let views: Vec<_> = samples.iter().zip(&tile_sizes).flat_map(of_sample).collect();
         let storage = |label: &str, bytes: usize| Buffer::storage(gpu, label, bytes.max(256) as u64);
         Ok(Self {
             lights: storage("shadow/lights", samples.len() * size_of::<LightUniform>())?,
@@ -158,14 +168,14 @@ fn tiles_per_side(sample: &LightSample, points: usize) -> u32 {
     }
 }
 
-/// Cuts a row of views, given by their tiles' sizes, into batches of equal tiles.
-fn batches(gpu: &Gpu, views: &[u32], atlas: u32) -> Vec<ShadowBatch> {
+/// Cuts a row of views, given by their tiles' sizes and what stands for objects, into batches that are equal in both.
+fn batches(gpu: &Gpu, views: &[(u32, Shade)], atlas: u32) -> Vec<ShadowBatch> {
     let mut batches = Vec::new();
     let mut first = 0;
     while first < views.len() {
-        let size = views[first];
+        let (size, shade) = views[first];
         let columns = (atlas / size).max(1);
-        let alike = views[first..].iter().take_while(|s| **s == size).count();
+        let alike = views[first..].iter().take_while(|v| **v == (size, shade)).count();
         let count = alike.min((columns * columns) as usize);
         let tiles = (0..count as u32).map(|n| ShadowTile {
             view: Uniform::new(gpu, "shadow/view", &bytemuck::Zeroable::zeroed()),
@@ -178,8 +188,8 @@ fn batches(gpu: &Gpu, views: &[u32], atlas: u32) -> Vec<ShadowBatch> {
             reserved_0: 0,
             reserved_1: 0,
         };
-        batches
-            .push(ShadowBatch { uniform: Uniform::new(gpu, "shadow/batch", &value), tiles: tiles.collect() });
+        let uniform = Uniform::new(gpu, "shadow/batch", &value);
+        batches.push(ShadowBatch { uniform, tiles: tiles.collect(), shade });
         first += count;
     }
     batches

@@ -8,6 +8,7 @@ mod area;
 mod camera;
 mod direct;
 mod errors;
+mod fields;
 mod gathered;
 mod golden;
 mod indirect;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         area::TESTS,
         direct::TESTS,
         errors::TESTS,
+        fields::TESTS,
         gathered::TESTS,
         golden::TESTS,
         indirect::TESTS,

@@ -137,6 +137,17 @@ impl Scene {
         self.animation.instances.push(HungInstance { instance, outer, node, node_from_local, rest });
     }
 
+    /// The instances that move as a whole and whose meshes keep their shape, in order; [`Scene::instances`] by number.
+    pub fn rigid_instances(&self) -> Vec<usize> {
+        let bends = |mesh: usize| self.animation.bodies.iter().any(|b| b.mesh == mesh);
+        let hung = self.animation.instances.iter().map(|h| h.instance);
+        let mut rigid: Vec<usize> =
+            hung.filter(|&i| self.instances.get(i).is_some_and(|instance| !bends(instance.mesh))).collect();
+        rigid.sort_unstable();
+        rigid.dedup();
+        rigid
+    }
+
     /// Lets a light move with a node from now on; at rest it stays where it is. Nodes move and turn lights; of scale
     /// only rectangles take notice.
     pub fn hang_light(&mut self, light: usize, node: NodeId) {

@@ -14,7 +14,7 @@ const RING: f32 = 1.0;
 const WAY: f32 = 0.42;
 const TUBE: f32 = 0.21;
 /// Height of the knot's middle over the floor.
-const MIDDLE: f32 = 1.05;
+pub(super) const MIDDLE: f32 = 1.05;
 
 /// A (2, 3) torus knot of 0.42 m thick tube over a checkered floor, with a coloured wall behind and balls around, so that
 /// there is something to be bent. The knot is one closed smooth surface, white without any tint: it is meant for
@@ -96,7 +96,7 @@ fn line(t: f32) -> Vec3 {
 
 /// A closed tube about the line. Its cross sections are framed by the way to the ring's middle line, which comes back to
 /// itself, so that the ends meet without a twist.
-fn tube(b: &mut Builder, around: u32, sides: u32) {
+pub(super) fn tube(b: &mut Builder, around: u32, sides: u32) {
     let section = |i: u32| {
         let t = (i % around) as f32 / around as f32;
         let e = 1e-3;

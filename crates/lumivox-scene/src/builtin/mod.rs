@@ -7,6 +7,7 @@
 //! | [`atrium`](atrium()) | a two-storey colonnade about a sunlit court | `day` |
 //! | [`cornell`](cornell()) | the box with a red and a green wall | |
 //! | [`door`](door()) | a door that opens, a figure that walks behind it | `door` |
+//! | [`falling`](falling()) | ten bodies that bounce on a floor | `fall` |
 //! | [`furnace`](furnace()) | a box whose radiance is known | |
 //! | [`knot_glass`](knot_glass()) | a closed knot for refraction | |
 //! | [`room`](room()) | sun through windows, a staircase, a hall that only two bounces reach | |
@@ -24,6 +25,7 @@ mod builder;
 mod checks;
 mod cornell;
 mod door;
+mod falling;
 mod furnace;
 mod knot_glass;
 mod masonry;
@@ -38,6 +40,7 @@ pub use arena::arena;
 pub use atrium::{atrium, atrium_camera_path};
 pub use cornell::cornell;
 pub use door::door;
+pub use falling::falling;
 pub use furnace::furnace;
 pub use knot_glass::knot_glass;
 pub use room::room;
@@ -55,6 +58,7 @@ pub const NAMES: &[&str] = &[
     "atrium",
     "cornell",
     "door",
+    "falling",
     "furnace",
     "knot_glass",
     "room",
@@ -85,6 +89,7 @@ pub fn by_name(name: &str) -> Result<Scene, SceneError> {
         "atrium" => atrium,
         "cornell" => cornell,
         "door" => door,
+        "falling" => falling,
         "furnace" => furnace,
         "knot_glass" => knot_glass,
         "room" => room,
@@ -187,8 +192,8 @@ mod tests {
         let text = by_name("palace").unwrap_err().to_string();
         assert_eq!(
             text,
-            "there is no built-in scene 'palace'; known are arena, atrium, cornell, door, furnace, knot_glass, \
-             room, terrain, test, tree, tunnel, two_rooms"
+            "there is no built-in scene 'palace'; known are arena, atrium, cornell, door, falling, furnace, \
+             knot_glass, room, terrain, test, tree, tunnel, two_rooms"
         );
         for bad in ["cornell:5", "cornell:-1", "cornell:", "cornell:two", "cornell:1:1"] {
             assert!(by_name(bad).unwrap_err().to_string().contains("from 0 to 4"), "{bad}");

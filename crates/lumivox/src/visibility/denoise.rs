@@ -13,8 +13,8 @@ pub(super) const SHADER: Shader =
 pub(super) struct Denoise(TiledPass);
 
 impl Denoise {
-    pub(super) fn new(gpu: &Gpu, format: wgpu::TextureFormat, clear: wgpu::Color) -> Self {
-        Self(TiledPass::new(gpu, &SHADER, format, clear))
+    pub(super) fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        Self(TiledPass::new(gpu, &SHADER, format, &[]))
     }
 
     pub(super) fn record(

@@ -215,9 +215,12 @@ fn triangle_around(field: FieldUniform, direction: vec3f) -> Around {
     return around;
 }
 
-// Distance from a point of the unit sphere inwards, in radii: by the nearest map, or by three.
-fn rest_from(field: FieldUniform, point: vec3f, direction: vec3f, blended: bool) -> f32 {
-    if !blended {
+// Whether three maps answer for a ray, in place of the nearest.
+override BLENDED: bool;
+
+// Distance from a point of the unit sphere inwards, in radii.
+fn rest_from(field: FieldUniform, point: vec3f, direction: vec3f) -> f32 {
+    if !BLENDED {
         return rest_at(field, nearest_point(field, point), direction);
     }
     var around = triangle_around(field, point);
@@ -249,6 +252,23 @@ fn unit_ray(object: ObjectUniform, origin: vec3f, direction: vec3f) -> UnitRay {
     return UnitRay((object.unit_from_world * vec4f(origin, 1.0)).xyz, d / l, l);
 }
 
+// Those of 32 objects from `first` on that `bits` names and whose spheres a ray meets. Most it does not, and software drivers
+// take both sides of a branch, but no turn of a loop that nobody asks for: so these are sorted out before any is looked up.
+fn met_spheres(bits: u32, first: u32, origin: vec3f, direction: vec3f) -> u32 {
+    let scale = 1.0 / dot(direction, direction);
+    var left = bits;
+    var met = 0u;
+    while left != 0u {
+        let bit = firstTrailingBit(left);
+        left &= left - 1u;
+        let way = objects[first + bit].center - origin;
+        let radius = 1.0001 * objects[first + bit].radius;
+        let apart = way - max(dot(way, direction) * scale, 0.0) * direction;
+        met |= select(0u, 1u << bit, dot(apart, apart) <= radius * radius);
+    }
+    return met;
+}
+
 // A hit of an object: the distance in lengths of the world's direction, or NOTHING; and where to look up its normal.
 struct Ahead {
     distance: f32,
@@ -258,7 +278,7 @@ struct Ahead {
 }
 
 // What lies ahead of a ray that starts anywhere, on the object too; see `Field::ahead` of lumivox-field.
-fn ahead(object: ObjectUniform, origin: vec3f, direction: vec3f, blended: bool) -> Ahead {
+fn ahead(object: ObjectUniform, origin: vec3f, direction: vec3f) -> Ahead {
     let ray = unit_ray(object, origin, direction);
     let middle = -dot(ray.origin, ray.direction);
     let nearest = ray.origin + middle * ray.direction;
@@ -274,21 +294,21 @@ fn ahead(object: ObjectUniform, origin: vec3f, direction: vec3f, blended: bool) 
         return found;
     }
     let field = fields[object.field];
+    // First from the entry; if what is met there lies behind, backwards from the exit. A loop, since software drivers would take
+    // both turns of a branch.
     found.point = ray.origin + start * ray.direction;
-    let rest = rest_from(field, found.point, ray.direction, blended);
-    if rest >= NOTHING {
-        return found;
-    }
-    let forward = start + rest;
-    if start >= 0.0 || forward > object.bias {
-        found.distance = forward / ray.length;
-        return found;
-    }
-    found.point = ray.origin + exit * ray.direction;
-    found.direction = -ray.direction;
-    let back = rest_from(field, found.point, found.direction, blended);
-    if back < NOTHING && exit - back > object.bias {
-        found.distance = (exit - back) / ray.length;
+    for (var turn = 0; turn < 2; turn++) {
+        let rest = rest_from(field, found.point, found.direction);
+        if rest >= NOTHING {
+            break;
+        }
+        let distance = select(exit - rest, start + rest, turn == 0);
+        if distance > object.bias || (turn == 0 && start >= 0.0) {
+            found.distance = distance / ray.length;
+            break;
+        }
+        found.point = ray.origin + exit * ray.direction;
+        found.direction = -ray.direction;
     }
     return found;
 }

@@ -60,6 +60,11 @@ const TILE: &str = include_str!("tile.wgsl");
 /// Listed tiles as quads; after [`TILE`].
 const TILE_QUAD: &str = include_str!("tile_quad.wgsl");
 
+/// Whether three maps answer for a ray, as shaders with [`FIELD`] are told.
+fn blending(blended: bool) -> [(&'static str, f64); 1] {
+    [("BLENDED", f64::from(u8::from(blended)))]
+}
+
 /// Format of factors.
 pub const FACTOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 

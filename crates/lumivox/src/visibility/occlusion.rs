@@ -6,7 +6,7 @@ use glam::UVec2;
 use super::denoise::Denoise;
 use super::tiled_pass::TiledPass;
 use super::tiles::{Cull, Round, Tiles};
-use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD};
+use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD, blending};
 use crate::gpu::{Bindings, Gpu, GpuError, Shader, Texture, Uniform};
 use crate::wgsl::VIEW;
 
@@ -67,10 +67,10 @@ crate::gpu_struct! {
         pub rays: u32,
         /// Whether each caster is subtracted by itself.
         pub subtracts: u32,
-        /// Whether three maps answer.
-        pub blended: u32,
         /// Unused.
         pub reserved_0: u32,
+        /// Unused.
+        pub reserved_3: u32,
         /// One over the reach.
         pub inverse_reach: f32,
         /// Exponent of the falloff.
@@ -116,8 +116,8 @@ impl Occlusion {
         let uniform = OcclusionUniform {
             rays: settings.rays,
             subtracts: u32::from(settings.combine == Combine::Subtract),
-            blended: u32::from(settings.blended),
             reserved_0: 0,
+            reserved_3: 0,
             inverse_reach: 1.0 / settings.reach,
             exponent: settings.exponent,
             reserved_1: 0,
@@ -126,8 +126,8 @@ impl Occlusion {
         let target = |name: &str| Texture::target(gpu, name, size.to_array(), FACTOR_FORMAT);
         Ok(Self {
             cull: Cull::new(gpu),
-            pass: TiledPass::new(gpu, &SHADER, FACTOR_FORMAT, wgpu::Color::WHITE),
-            denoise: Denoise::new(gpu, FACTOR_FORMAT, wgpu::Color::WHITE),
+            pass: TiledPass::new(gpu, &SHADER, FACTOR_FORMAT, &blending(settings.blended)),
+            denoise: Denoise::new(gpu, FACTOR_FORMAT),
             tiles: Tiles::new(gpu, size, objects.capacity)?,
             uniform: Uniform::new(gpu, "visibility/occlusion", &uniform),
             settings,

@@ -4,9 +4,8 @@ struct OcclusionUniform {
     rays: u32,
     // Whether each caster is subtracted by itself, as the papers do, in place of the nearest hit of each ray.
     subtracts: u32,
-    // Whether three maps answer for a ray.
-    blended: u32,
     reserved_0: u32,
+    reserved_3: u32,
     // V(d) = 1 - (1 - d / reach)^exponent.
     inverse_reach: f32,
     exponent: f32,
@@ -42,7 +41,7 @@ fn ray_occlusion(first_word: u32, origin: vec3f, direction: vec3f) -> f32 {
     var nearest = NOTHING;
     var caster = NO_CASTER;
     for (var word = 0u; word < tiles.words; word++) {
-        var bits = tile_masks[first_word + word];
+        var bits = met_spheres(tile_masks[first_word + word], 32u * word, origin, direction);
         while bits != 0u {
             let object = objects[32u * word + firstTrailingBit(bits)];
             bits &= bits - 1u;
@@ -51,7 +50,7 @@ fn ray_occlusion(first_word: u32, origin: vec3f, direction: vec3f) -> f32 {
                 nearest = NOTHING;
                 caster = object.caster;
             }
-            nearest = min(nearest, ahead(object, origin, direction, occlusion.blended != 0u).distance);
+            nearest = min(nearest, ahead(object, origin, direction).distance);
         }
     }
     return sum + blocked(nearest);

@@ -1,6 +1,6 @@
 //! Rays from a buffer against all objects: the secondary rays of a ray tracer (dissertation 4.5.2).
 
-use super::{FIELD, Fields, NORMAL, OBJECT, Objects};
+use super::{FIELD, Fields, NORMAL, OBJECT, Objects, blending};
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::wgsl::{OCTAHEDRON, linear_groups};
 
@@ -21,10 +21,10 @@ crate::gpu_struct! {
         pub rays: u32,
         /// Number of objects.
         pub object_count: u32,
-        /// Whether three maps answer.
-        pub blended: u32,
         /// Unused.
         pub reserved_0: u32,
+        /// Unused.
+        pub reserved_1: u32,
     }
 }
 
@@ -66,22 +66,22 @@ pub struct RayQuery {
 }
 
 impl RayQuery {
-    /// Compiles the pass, for at most `capacity` rays at a time.
-    pub fn new(gpu: &Gpu, capacity: u32) -> Self {
+    /// Compiles the pass, for at most `capacity` rays at a time; `blended` says whether three maps answer for each.
+    pub fn new(gpu: &Gpu, capacity: u32, blended: bool) -> Self {
         Self {
-            pass: ComputePass::new(gpu, &SHADER, &[]),
+            pass: ComputePass::new(gpu, &SHADER, &blending(blended)),
             uniform: Uniform::new(gpu, "visibility/query", &bytemuck::Zeroable::zeroed()),
             capacity,
         }
     }
 
-    /// Says how many rays the frame has, after [`Objects::update`], and whether three maps answer for each.
-    pub fn update(&self, gpu: &Gpu, objects: &Objects, rays: u32, blended: bool) {
+    /// Says how many rays the frame has, after [`Objects::update`].
+    pub fn update(&self, gpu: &Gpu, objects: &Objects, rays: u32) {
         let uniform = QueryUniform {
             rays: rays.min(self.capacity),
             object_count: objects.count,
-            blended: u32::from(blended),
             reserved_0: 0,
+            reserved_1: 0,
         };
         self.uniform.write(gpu, &uniform);
     }

@@ -3,9 +3,8 @@
 struct QueryUniform {
     rays: u32,
     object_count: u32,
-    // Whether three maps answer for a ray.
-    blended: u32,
     reserved_0: u32,
+    reserved_1: u32,
 }
 
 @group(0) @binding(0) var<uniform> query: QueryUniform;
@@ -31,11 +30,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let direction = rays[2u * ray + 1u].xyz;
     var nearest = Ahead(NOTHING, vec3f(0.0), direction);
     var met = 0u;
-    for (var n = 0u; n < query.object_count; n++) {
-        let found = ahead(objects[n], origin, direction, query.blended != 0u);
-        if found.distance < nearest.distance {
-            nearest = found;
-            met = n;
+    for (var first = 0u; first < query.object_count; first += 32u) {
+        let all = select(0xffffffffu, (1u << (query.object_count - first)) - 1u, query.object_count - first < 32u);
+        var bits = met_spheres(all, first, origin, direction);
+        while bits != 0u {
+            let n = first + firstTrailingBit(bits);
+            bits &= bits - 1u;
+            let found = ahead(objects[n], origin, direction);
+            if found.distance < nearest.distance {
+                nearest = found;
+                met = n;
+            }
         }
     }
     var flat_normal = vec2f(0.0);

@@ -5,7 +5,7 @@ use glam::{UVec2, Vec3};
 use super::denoise::Denoise;
 use super::tiled_pass::TiledPass;
 use super::tiles::{Cull, Round, Tiles};
-use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD};
+use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD, blending};
 use crate::gpu::{Bindings, Gpu, GpuError, Shader, Texture, Uniform};
 use crate::wgsl::VIEW;
 
@@ -74,10 +74,10 @@ crate::gpu_struct! {
         pub v: Vec3,
         /// Rays per pixel.
         pub rays: u32,
-        /// Whether three maps answer.
-        pub blended: u32,
         /// Unused.
         pub reserved_0: u32,
+        /// Unused.
+        pub reserved_3: u32,
         /// Unused.
         pub reserved_1: u32,
         /// Unused.
@@ -127,8 +127,8 @@ impl SoftShadows {
         };
         Ok(Self {
             cull: Cull::new(gpu),
-            pass: TiledPass::new(gpu, &SHADER, FACTOR_FORMAT, wgpu::Color::WHITE),
-            denoise: Denoise::new(gpu, FACTOR_FORMAT, wgpu::Color::WHITE),
+            pass: TiledPass::new(gpu, &SHADER, FACTOR_FORMAT, &blending(settings.blended)),
+            denoise: Denoise::new(gpu, FACTOR_FORMAT),
             lights: (0..lights).map(light).collect::<Result<_, GpuError>>()?,
             settings,
             noisy: target("visibility/shadow, noisy")?,
@@ -146,9 +146,8 @@ impl SoftShadows {
     }
 
     fn uniform(&self, light: &ShadowLight) -> (ShadowUniform, Round) {
-        let ShadowSettings { rays, blended, .. } = self.settings;
         let mut uniform: ShadowUniform = bytemuck::Zeroable::zeroed();
-        (uniform.rays, uniform.blended) = (rays, u32::from(blended));
+        uniform.rays = self.settings.rays;
         let round = match *light {
             ShadowLight::Ball { position, radius } => {
                 (uniform.position, uniform.radius) = (position, radius.max(0.0));

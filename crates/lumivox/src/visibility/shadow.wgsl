@@ -10,9 +10,8 @@ struct ShadowUniform {
     kind: u32,
     v: vec3f,
     rays: u32,
-    // Whether three maps answer for a ray.
-    blended: u32,
     reserved_0: u32,
+    reserved_3: u32,
     reserved_1: u32,
     reserved_2: u32,
 }
@@ -62,11 +61,11 @@ fn light_ray(p: vec3f, n: vec3f, unit: vec2f) -> LightRay {
 // Whether an object of a tile stands in the way.
 fn is_blocked(first_word: u32, p: vec3f, ray: LightRay) -> bool {
     for (var word = 0u; word < tiles.words; word++) {
-        var bits = tile_masks[first_word + word];
+        var bits = met_spheres(tile_masks[first_word + word], 32u * word, p, ray.way);
         while bits != 0u {
             let object = objects[32u * word + firstTrailingBit(bits)];
             bits &= bits - 1u;
-            if ahead(object, p, ray.way, shadow.blended != 0u).distance < ray.ends {
+            if ahead(object, p, ray.way).distance < ray.ends {
                 return true;
             }
         }

@@ -9,12 +9,16 @@ pub(super) struct TiledPass {
     name: &'static str,
     pipeline: wgpu::RenderPipeline,
     program: Program,
-    clear: wgpu::Color,
 }
 
 impl TiledPass {
-    /// Compiles the pass. `clear` is what pixels of tiles without objects have.
-    pub(super) fn new(gpu: &Gpu, shader: &Shader, format: wgpu::TextureFormat, clear: wgpu::Color) -> Self {
+    /// Compiles the pass. `constants` are the fragment stage's `override` declarations.
+    pub(super) fn new(
+        gpu: &Gpu,
+        shader: &Shader,
+        format: wgpu::TextureFormat,
+        constants: &[(&str, f64)],
+    ) -> Self {
         let module = shader_module(gpu, shader);
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(shader.name),
@@ -31,17 +35,17 @@ impl TiledPass {
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some("fragment"),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
                 targets: &[Some(format.into())],
             }),
             multiview_mask: None,
             cache: None,
         });
         let program = Program::new(shader, |group| pipeline.get_bind_group_layout(group));
-        Self { name: shader.name, pipeline, program, clear }
+        Self { name: shader.name, pipeline, program }
     }
 
-    /// Clears the target and draws the tiles that have objects.
+    /// Clears the target to one, which is what pixels of other tiles keep, and draws the tiles that have objects.
     pub(super) fn record(
         &self,
         gpu: &Gpu,
@@ -58,7 +62,10 @@ impl TiledPass {
                 view: &target.view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(self.clear), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             ..Default::default()
         });

@@ -39,8 +39,8 @@ fn hits(
     let input = Buffer::storage_with(gpu, "rays", &packed)?;
     let mut output = Buffer::storage(gpu, "hits", rays.len() as u64 * HIT_BYTES)?;
     assert_eq!(input.size(), rays.len() as u64 * RAY_BYTES);
-    let query = RayQuery::new(gpu, rays.len() as u32);
-    query.update(gpu, objects, rays.len() as u32, blended);
+    let query = RayQuery::new(gpu, rays.len() as u32, blended);
+    query.update(gpu, objects, rays.len() as u32);
     run(gpu, |e| query.record(gpu, e, fields, objects, &input, &mut output))?;
     read_buffer(gpu, &output)
 }

@@ -1,0 +1,81 @@
+//! The fields of a scene's objects, for pictures.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use lumivox_field::{Baker, Cache, Field, Settings};
+use lumivox_render::{Caster, ObjectFields};
+use lumivox_scene::Scene;
+
+use super::object::Object;
+use crate::render;
+
+/// Bakes a field for each mesh that casts, or takes it from the cache.
+///
+/// Without names these are the meshes of instances that move rigidly; with names, those whose name begins with one of them.
+pub(crate) fn fields(scene: &Scene, names: &[String], settings: Settings) -> Result<ObjectFields> {
+    let instances = chosen(scene, names)?;
+    let mut meshes: Vec<usize> = instances.iter().map(|&i| scene.instances[i].mesh).collect();
+    meshes.sort_unstable();
+    meshes.dedup();
+    let bar = render::progress(u64::from(settings.points) * meshes.len() as u64, "visibility fields");
+    let mut fields = Vec::new();
+    for &mesh in &meshes {
+        let done = bar.position();
+        let object = Object::of_mesh(&scene.meshes[mesh]);
+        let field = field(&object, settings, |maps| bar.set_position(done + u64::from(maps)))
+            .with_context(|| format!("the mesh {:?}", scene.meshes[mesh].name))?;
+        bar.set_position(done + u64::from(settings.points));
+        fields.push(field.packed().context("the field does not fit a texture")?);
+    }
+    bar.finish_and_clear();
+    let number = |mesh: usize| meshes.binary_search(&mesh).unwrap_or_default();
+    let caster =
+        |&instance: &usize| Caster { instance, fields: vec![number(scene.instances[instance].mesh)] };
+    Ok(ObjectFields { fields, casters: instances.iter().map(caster).collect() })
+}
+
+/// The instances that have fields.
+fn chosen(scene: &Scene, names: &[String]) -> Result<Vec<usize>> {
+    let name = |instance: usize| scene.meshes[scene.instances[instance].mesh].name.as_str();
+    if names.is_empty() {
+        let moving = scene.rigid_instances();
+        if moving.is_empty() {
+            bail!(
+                "nothing in the scene moves rigidly; say with --casters which meshes have visibility fields"
+            );
+        }
+        return Ok(moving);
+    }
+    let all = 0..scene.instances.len();
+    for wanted in names {
+        if !all.clone().any(|i| name(i).starts_with(wanted.as_str())) {
+            let mut known: Vec<&str> = all.clone().map(name).collect();
+            known.sort_unstable();
+            known.dedup();
+            known.truncate(40);
+            bail!("there is no mesh {wanted:?} for --casters; known are {}", known.join(", "));
+        }
+    }
+    Ok(all.filter(|&i| names.iter().any(|wanted| name(i).starts_with(wanted.as_str()))).collect())
+}
+
+/// From the cache, if there is a folder for one.
+fn field(object: &Object, settings: Settings, mut show: impl FnMut(u32)) -> Result<Field> {
+    let observe = |progress: lumivox_field::Progress| {
+        show(progress.maps_done);
+        ControlFlow::Continue(())
+    };
+    Ok(match cache_folder() {
+        Some(folder) => Cache::new(folder).field(object.mesh(), settings, observe)?.field,
+        None => Baker::new(object.mesh(), settings)?.bake(observe)?,
+    })
+}
+
+/// Where fields are kept: `LUMIVOX_CACHE`, else the user's folder for caches.
+fn cache_folder() -> Option<PathBuf> {
+    let folder = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let user = || folder("XDG_CACHE_HOME").or_else(|| folder("HOME").map(|home| home.join(".cache")));
+    folder("LUMIVOX_CACHE").or_else(|| user().map(|cache| cache.join("lumivox"))).map(|f| f.join("fields"))
+}

@@ -1,0 +1,78 @@
+//! `lumivox field`, and pictures by fields.
+
+use libtest_mimic::Failed;
+
+use crate::support::{Folder, read_json};
+
+/// A box without its top, of 4 x 2 x 2.
+const TRAY: &str = "OFF\n8 5 0\n0 0 0\n4 0 0\n4 2 0\n0 2 0\n0 0 2\n4 0 2\n4 2 2\n0 2 2\n\
+                    4 0 3 2 1\n4 0 1 5 4\n4 0 4 7 3\n4 1 2 6 5\n4 3 7 6 2\n";
+
+pub(crate) fn wrong_arguments() -> Result<(), Failed> {
+    let folder = Folder::new();
+    folder.write("t.off", TRAY);
+    folder.write("none.off", "OFF\n0 0 0\n");
+    folder.write("broken.lvf", "LVF");
+    for (arguments, words) in [
+        ("t.off --points 100", vec!["'100'", "4226"]),
+        ("t.off --directions 48", vec!["'48'", "64"]),
+        ("t.off --bits 2", vec!["'2'", "1, 8 and 32"]),
+        ("t.off -o t.npz", vec![".lvf"]),
+        ("t.off -o t.lvf --maps t.lvf", vec!["t.lvf", "two outputs"]),
+        ("broken.lvf", vec!["broken.lvf"]),
+        ("none.off", vec!["none.off"]),
+    ] {
+        folder.line(&format!("field {arguments}")).failed_with(&words);
+    }
+    folder.line("field").refused_with(&["<INPUT>"]);
+    folder.line("field t.off --mapping polar").refused_with(&["'polar'", "concentric"]);
+    folder.line("render builtin:falling --ao often -o x.png").refused_with(&["'often'", "field"]);
+    for (arguments, words) in [
+        ("builtin:cornell --ao field", vec!["--casters", "moves"]),
+        ("builtin:falling:0 --ao field --casters knot,cow", vec!["\"cow\"", "goblet"]),
+        ("builtin:falling:0 --ao field --field-points 3", vec!["'3'", "4226"]),
+        ("builtin:falling:0 --shadows field --light-radius 1e9", vec!["--light-radius"]),
+    ] {
+        folder.line(&format!("render {arguments} -o x.png")).failed_with(&words);
+    }
+    assert!(!folder.files().contains(&"x.png".to_owned()));
+    Ok(())
+}
+
+pub(crate) fn baked() -> Result<(), Failed> {
+    let folder = Folder::new();
+    folder.write("t.off", TRAY);
+    folder.line("field t.off -o t.lvf --points 290 --maps t.png --check 2000 --stats t.json").succeeded();
+    let stats = read_json(&folder.join("t.json"))?;
+    assert_eq!((stats["points"].as_u64(), stats["rays"].as_u64()), (Some(290), Some(290 * 4096)));
+    assert_eq!(stats["triangles"], 10);
+    let radius = stats["sphere_radius_m"].as_f64().unwrap_or(0.0);
+    assert!((radius - 6f64.sqrt()).abs() < 1e-3, "{radius}");
+    let wrong = |kind: &str| stats[kind]["wrong"].as_f64().unwrap_or(1.0);
+    assert!(wrong("nearest") < 0.06 && wrong("blended") < 0.06, "{stats}");
+    let picture = image::open(folder.join("t.png"))?.to_rgb8();
+    assert_eq!(picture.dimensions(), (800, 536));
+    // A field that is read is the one that was written.
+    folder.line("field t.lvf --stats again.json").succeeded();
+    let again = read_json(&folder.join("again.json"))?;
+    assert_eq!((&again["sphere_radius_m"], &again["bytes"]), (&stats["sphere_radius_m"], &stats["bytes"]));
+    Ok(())
+}
+
+pub(crate) fn pictures() -> Result<(), Failed> {
+    let folder = Folder::new();
+    let common = "render builtin:falling:0 --gi off --size 64x36 --light-samples 4 --field-points 82 --field-directions 32 \
+                  --field-rays 8 --exposure 0";
+    folder.line(&format!("{common} --ao field --shadows field -o both.png --stats s.json")).succeeded();
+    let stats = read_json(&folder.join("s.json"))?;
+    let stages: Vec<&str> =
+        stats["stages"].as_array().into_iter().flatten().filter_map(|s| s["stage"].as_str()).collect();
+    assert!(stages.contains(&"visibility/occlusion") && stages.contains(&"visibility/shadow"), "{stages:?}");
+    folder.line(&format!("{common} --ao field --layer occlusion -o ao.png")).succeeded();
+    let ao = image::open(folder.join("ao.png"))?.to_rgb8();
+    let shades: std::collections::BTreeSet<u8> = ao.pixels().map(|p| p.0[0]).collect();
+    assert!(shades.len() > 20, "{shades:?}");
+    folder.line(&format!("{common} --ao field --frames 2 -o s_%04d.png")).succeeded();
+    assert!(folder.files().contains(&"s_0001.png".to_owned()));
+    Ok(())
+}
