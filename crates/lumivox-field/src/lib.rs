@@ -20,6 +20,7 @@
 //! - [`field`]: how distances are kept (4.6.1), and all maps as one 3D texture (Figure 28).
 //! - [`lookup`]: rays against a field (Algorithm 2).
 //! - [`mod@file`]: the format `.lvf`; a bake that stopped goes on where it was.
+//! - [`parts()`]: several spheres for elongated objects (4.8).
 //! - [`Cache`]: fields by mesh and settings.
 
 pub mod bake;
@@ -29,6 +30,7 @@ mod error;
 pub mod field;
 pub mod file;
 pub mod lookup;
+mod parts;
 pub mod points;
 mod settings;
 #[cfg(test)]
@@ -40,5 +42,6 @@ pub use directions::{Directions, Mapping};
 pub use error::FieldError;
 pub use field::{BYTE_MISS, Distances, Field, FieldTexture, Texels, TextureLayout};
 pub use lookup::{Blend, Interpolation, Ray};
+pub use parts::{Part, parts};
 pub use points::SpherePoints;
 pub use settings::{Settings, Storage};

@@ -5,6 +5,7 @@ mod models;
 mod plot;
 mod report;
 mod timing;
+mod visibility;
 mod voxel_picture;
 mod voxelizers;
 
@@ -39,6 +40,8 @@ enum BenchName {
     Voxelizers,
     /// Indirect light against path-traced references.
     Light,
+    /// Visibility fields: errors, rays per second, occlusion and soft shadows.
+    Visibility,
 }
 
 /// Runs the command.
@@ -56,6 +59,12 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
                 let mut report = Report::new(&args.out, "light", "Indirect light")?;
                 report.say(&timing::words(&gpu, args.quick));
                 light::run(&gpu, args.quick, &mut report)?;
+                report.write()?;
+            }
+            BenchName::Visibility => {
+                let mut report = Report::new(&args.out, "visibility", "Visibility fields")?;
+                report.say(&timing::words(&gpu, args.quick));
+                visibility::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
                 report.write()?;
             }
         }

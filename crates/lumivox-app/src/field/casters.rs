@@ -4,14 +4,17 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use lumivox_field::{Baker, Cache, Field, Settings};
+use lumivox_field::{Baker, Cache, Field, Part, Settings};
 use lumivox_render::{Caster, ObjectFields};
 use lumivox_scene::Scene;
 
 use super::object::Object;
 use crate::render;
 
-/// Bakes a field for each mesh that casts, or takes it from the cache.
+/// The most spheres of one object.
+const MOST_PARTS: usize = 8;
+
+/// Bakes a field for each mesh that casts, or takes it from the cache; elongated ones are cut into parts with a field each.
 ///
 /// Without names these are the meshes of instances that move rigidly; with names, those whose name begins with one of them.
 pub(crate) fn fields(scene: &Scene, names: &[String], settings: Settings) -> Result<ObjectFields> {
@@ -19,20 +22,27 @@ pub(crate) fn fields(scene: &Scene, names: &[String], settings: Settings) -> Res
     let mut meshes: Vec<usize> = instances.iter().map(|&i| scene.instances[i].mesh).collect();
     meshes.sort_unstable();
     meshes.dedup();
-    let bar = render::progress(u64::from(settings.points) * meshes.len() as u64, "visibility fields");
-    let mut fields = Vec::new();
+    let mut objects = Vec::new();
     for &mesh in &meshes {
-        let done = bar.position();
         let object = Object::of_mesh(&scene.meshes[mesh]);
-        let field = field(&object, settings, |maps| bar.set_position(done + u64::from(maps)))
-            .with_context(|| format!("the mesh {:?}", scene.meshes[mesh].name))?;
-        bar.set_position(done + u64::from(settings.points));
-        fields.push(field.packed().context("the field does not fit a texture")?);
+        let named = || format!("the mesh {:?}", scene.meshes[mesh].name);
+        objects.push(lumivox_field::parts(&object.mesh(), MOST_PARTS).with_context(named)?);
+    }
+    let count: usize = objects.iter().map(Vec::len).sum();
+    let bar = render::progress(u64::from(settings.points) * count as u64, "visibility fields");
+    let (mut fields, mut of_mesh) = (Vec::new(), Vec::new());
+    for parts in &objects {
+        let first = fields.len();
+        for part in parts {
+            let done = u64::from(settings.points) * fields.len() as u64;
+            let field = field(part, settings, |maps| bar.set_position(done + u64::from(maps)))?;
+            fields.push(field.packed().context("the field does not fit a texture")?);
+        }
+        of_mesh.push((first..fields.len()).collect::<Vec<_>>());
     }
     bar.finish_and_clear();
-    let number = |mesh: usize| meshes.binary_search(&mesh).unwrap_or_default();
-    let caster =
-        |&instance: &usize| Caster { instance, fields: vec![number(scene.instances[instance].mesh)] };
+    let of = |mesh: usize| meshes.binary_search(&mesh).map_or(Vec::new(), |n| of_mesh[n].clone());
+    let caster = |&instance: &usize| Caster { instance, fields: of(scene.instances[instance].mesh) };
     Ok(ObjectFields { fields, casters: instances.iter().map(caster).collect() })
 }
 
@@ -62,14 +72,14 @@ fn chosen(scene: &Scene, names: &[String]) -> Result<Vec<usize>> {
 }
 
 /// From the cache, if there is a folder for one.
-fn field(object: &Object, settings: Settings, mut show: impl FnMut(u32)) -> Result<Field> {
+fn field(part: &Part, settings: Settings, mut show: impl FnMut(u32)) -> Result<Field> {
     let observe = |progress: lumivox_field::Progress| {
         show(progress.maps_done);
         ControlFlow::Continue(())
     };
     Ok(match cache_folder() {
-        Some(folder) => Cache::new(folder).field(object.mesh(), settings, observe)?.field,
-        None => Baker::new(object.mesh(), settings)?.bake(observe)?,
+        Some(folder) => Cache::new(folder).field(part.mesh(), settings, observe)?.field,
+        None => Baker::new(part.mesh(), settings)?.bake(observe)?,
     })
 }
 

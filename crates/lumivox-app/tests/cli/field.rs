@@ -11,7 +11,6 @@ const TRAY: &str = "OFF\n8 5 0\n0 0 0\n4 0 0\n4 2 0\n0 2 0\n0 0 2\n4 0 2\n4 2 2\
 pub(crate) fn wrong_arguments() -> Result<(), Failed> {
     let folder = Folder::new();
     folder.write("t.off", TRAY);
-    folder.write("none.off", "OFF\n0 0 0\n");
     folder.write("broken.lvf", "LVF");
     for (arguments, words) in [
         ("t.off --points 100", vec!["'100'", "4226"]),
@@ -20,7 +19,6 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
         ("t.off -o t.npz", vec![".lvf"]),
         ("t.off -o t.lvf --maps t.lvf", vec!["t.lvf", "two outputs"]),
         ("broken.lvf", vec!["broken.lvf"]),
-        ("none.off", vec!["none.off"]),
     ] {
         folder.line(&format!("field {arguments}")).failed_with(&words);
     }
@@ -48,8 +46,14 @@ pub(crate) fn baked() -> Result<(), Failed> {
     assert_eq!(stats["triangles"], 10);
     let radius = stats["sphere_radius_m"].as_f64().unwrap_or(0.0);
     assert!((radius - 6f64.sqrt()).abs() < 1e-3, "{radius}");
-    let wrong = |kind: &str| stats[kind]["wrong"].as_f64().unwrap_or(1.0);
-    assert!(wrong("nearest") < 0.06 && wrong("blended") < 0.06, "{stats}");
+    // More points know the object better.
+    folder.line("field t.off --points 1090 --check 2000 --stats fine.json").succeeded();
+    let fine = read_json(&folder.join("fine.json"))?;
+    let wrong = |stats: &serde_json::Value, kind: &str| stats[kind]["wrong"].as_f64().unwrap_or(-1.0);
+    for kind in ["nearest", "blended"] {
+        let [few, many] = [wrong(&stats, kind), wrong(&fine, kind)];
+        assert!(many > 0.0 && many < 0.7 * few && few < 0.5, "{kind}: {few} {many}");
+    }
     let picture = image::open(folder.join("t.png"))?.to_rgb8();
     assert_eq!(picture.dimensions(), (800, 536));
     // A field that is read is the one that was written.

@@ -28,7 +28,7 @@ impl<'a> Mesh<'a> {
         Self { triangles, normals: None }
     }
 
-    pub(super) fn check(&self) -> Result<(), FieldError> {
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
         let TriangleView { positions, indices } = self.triangles;
         let refuse = |reason: String| Err(FieldError::BadMesh { reason });
         if indices.is_empty() {
@@ -55,7 +55,7 @@ impl<'a> Mesh<'a> {
     }
 
     /// The bounding sphere of what the triangles use.
-    pub(super) fn sphere(&self) -> Result<Sphere, FieldError> {
+    pub(crate) fn sphere(&self) -> Result<Sphere, FieldError> {
         let mut used = vec![false; self.triangles.positions.len()];
         self.triangles.indices.iter().flatten().for_each(|&i| used[i as usize] = true);
         let places = self.triangles.positions.iter().zip(&used).filter(|(_, used)| **used);

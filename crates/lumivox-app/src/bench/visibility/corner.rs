@@ -1,0 +1,211 @@
+//! Look-ups on the CPU: occlusion at the vertices of a corner, as in Figures 33 to 36 and Table 1.
+
+use anyhow::Result;
+use glam::Vec3;
+use lumivox_field::{Field, Mapping, Ray, Settings, Sphere, Storage};
+use rayon::prelude::*;
+
+use super::models::Model;
+use crate::bench::report::{Report, Row};
+use crate::clock;
+
+/// Vertices along a side of each of the corner's three sheets, and rays of each vertex.
+const SIDE: u32 = 33;
+pub(super) const RAYS: u32 = 256;
+
+/// Figure 35: seconds of preprocessing, of occlusion, and RMS error, for points and directions.
+const FIGURE_35: [(u32, u32, [f64; 3]); 12] = [
+    (82, 32, [1.10, 0.0933, 5.2605]),
+    (82, 64, [4.11, 0.0941, 5.2339]),
+    (82, 128, [15.34, 0.0949, 5.2091]),
+    (290, 32, [3.96, 0.0946, 2.8207]),
+    (290, 64, [14.60, 0.0958, 2.4118]),
+    (290, 128, [54.42, 0.0981, 2.3153]),
+    (1090, 32, [14.06, 0.0987, 1.0653]),
+    (1090, 64, [51.23, 0.1022, 1.0318]),
+    (1090, 128, [193.25, 0.1079, 1.0294]),
+    (4226, 32, [54.8, 0.1083, 0.6772]),
+    (4226, 64, [204.3, 0.1112, 0.6315]),
+    (4226, 128, [925.0, 0.1150, 0.6209]),
+];
+/// Figure 36: one bit per direction.
+const FIGURE_36: f64 = 4.4030;
+/// Table 1: ray casting, preprocessing and occlusion of the bunny in seconds.
+const TABLE_1_BUNNY: [f64; 3] = [331.1, 54.79, 0.228];
+
+/// Directions around a normal as dense as their cosine with it: a spiral, turned for each vertex.
+pub(super) fn directions(normal: Vec3, count: u32, turned: f32) -> impl Iterator<Item = Vec3> {
+    let (x, y) = normal.any_orthonormal_pair();
+    (0..count).map(move |n| {
+        let square = (n as f32 + 0.5) / count as f32;
+        let (sin, cos) = (2.399_963 * n as f32 + turned).sin_cos();
+        square.sqrt() * (cos * x + sin * y) + (1.0 - square).sqrt() * normal
+    })
+}
+
+/// Points and normals of the sheets below, behind and beside an object.
+fn corner(sphere: Sphere) -> Vec<(Vec3, Vec3)> {
+    let (radius, low) = (sphere.radius, sphere.center - 1.02 * sphere.radius);
+    let mut points = Vec::new();
+    for (a, b, normal) in
+        [(Vec3::X, Vec3::Z, Vec3::Y), (Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X)]
+    {
+        for n in 0..SIDE * SIDE {
+            let [s, t] = [n % SIDE, n / SIDE].map(|i| 2.5 * radius * (i as f32 + 0.5) / SIDE as f32);
+            points.push((low + s * a + t * b, normal));
+        }
+    }
+    points
+}
+
+/// Occlusion of each point, and seconds.
+fn occlusion(points: &[(Vec3, Vec3)], met: impl Fn(&Ray) -> bool + Sync) -> (Vec<f64>, f64) {
+    let start = clock::millis();
+    let at = |(n, (p, normal)): (usize, &(Vec3, Vec3))| {
+        let rays = directions(*normal, RAYS, n as f32).map(|d| Ray::new(*p, d));
+        rays.filter(|ray| met(ray)).count() as f64 / f64::from(RAYS)
+    };
+    let found = points.par_iter().enumerate().map(at).collect();
+    (found, (clock::millis() - start) / 1e3)
+}
+
+/// In grey levels of 255.
+pub(super) fn rms(a: &[f64], b: &[f64]) -> f64 {
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (255.0 * (a - b)).powi(2)).sum();
+    (sum / a.len().max(1) as f64).sqrt()
+}
+
+/// A model with what its true rays see of it from the corner.
+struct Truth<'m> {
+    model: &'m Model,
+    points: Vec<(Vec3, Vec3)>,
+    exact: Vec<f64>,
+    seconds: f64,
+}
+
+impl<'m> Truth<'m> {
+    fn new(model: &'m Model) -> Result<Self> {
+        let small = Settings { points: 82, directions: 32, ..Settings::default() };
+        let baker = lumivox_field::Baker::new(model.object.mesh(), small)?;
+        let points = corner(baker.sphere());
+        let (exact, seconds) = occlusion(&points, |ray| baker.trace(ray).is_some());
+        Ok(Self { model, points, exact, seconds })
+    }
+
+    /// Seconds of the bake and of the look-ups, and the error.
+    fn measure(&self, settings: Settings) -> Result<[f64; 3]> {
+        let (_, field, seconds) = self.model.baked(settings)?;
+        let (found, looked) = self.looked_up(&field);
+        Ok([seconds, looked, rms(&found, &self.exact)])
+    }
+
+    fn looked_up(&self, field: &Field) -> (Vec<f64>, f64) {
+        occlusion(&self.points, |ray| field.nearest(ray).is_some())
+    }
+}
+
+fn row(
+    figure: &'static str,
+    case: String,
+    metric: &str,
+    value: f64,
+    unit: &'static str,
+    paper: Option<f64>,
+) -> Row {
+    Row { figure, case, metric: metric.to_owned(), value, unit, paper, note: String::new() }
+}
+
+/// Figures 33 to 36.
+pub(super) fn errors(model: &Model, quick: bool, report: &mut Report) -> Result<()> {
+    report.head("Points, directions, mappings and bits on the CPU (Figures 33 to 36)");
+    report.say(&format!(
+        "{}; {RAYS} rays from each of 3 x {SIDE} x {SIDE} points of a corner; seconds of the bake / seconds of all look-ups / RMS \
+         error in grey levels of 255 beside true rays in the same directions. In parentheses the papers', on one of their machines and in \
+         their picture.",
+        model.title()
+    ));
+    let truth = Truth::new(model)?;
+    let (points, sides): (&[u32], &[u32]) =
+        if quick { (&[82, 290, 1090], &[32, 64]) } else { (&[82, 290, 1090, 4226], &[32, 64, 128]) };
+    let mut lines = Vec::new();
+    for &points in points {
+        let mut line = vec![points.to_string()];
+        for &directions in sides {
+            let found = truth.measure(Settings { points, directions, ..Settings::default() })?;
+            let paper = FIGURE_35.iter().find(|(p, d, _)| (*p, *d) == (points, directions)).map(|(.., v)| v);
+            let beside = paper.map_or(String::new(), |[a, b, c]| format!(" ({a} / {b} / {c})"));
+            line.push(format!("{:.2} / {:.3} / {:.3}{beside}", found[0], found[1], found[2]));
+            let case = format!("{points} points, {directions} x {directions}");
+            for (n, (metric, unit)) in
+                [("bake", "s"), ("look-ups", "s"), ("RMS", "grey levels")].into_iter().enumerate()
+            {
+                report.push(row("Figure 35", case.clone(), metric, found[n], unit, paper.map(|p| p[n])));
+            }
+        }
+        lines.push(line);
+    }
+    let header: Vec<String> =
+        std::iter::once("points".to_owned()).chain(sides.iter().map(|s| format!("{s} x {s}"))).collect();
+    report.table(&header, &lines);
+
+    let points = if quick { 1090 } else { 4226 };
+    let base = Settings { points, ..Settings::default() };
+    let mut lines = Vec::new();
+    for mapping in Mapping::ALL {
+        let found = truth.measure(Settings { mapping, ..base })?;
+        lines.push(vec![format!("{}, 8 bits", mapping.name()), format!("{:.3}", found[2]), String::new()]);
+        report.push(row("Figure 34", mapping.name().to_owned(), "RMS", found[2], "grey levels", None));
+    }
+    for storage in [Storage::Float, Storage::Bit] {
+        let settings = Settings { storage, ..base };
+        let found = truth.measure(settings)?;
+        let paper = (storage == Storage::Bit).then_some(FIGURE_36);
+        let name = format!("concentric, {} bits", storage.bits());
+        lines.push(vec![
+            name.clone(),
+            format!("{:.3}", found[2]),
+            paper.map_or(String::new(), |p| p.to_string()),
+        ]);
+        report.push(row("Figures 33 and 36", name, "RMS", found[2], "grey levels", paper));
+    }
+    report.say(&format!("Mappings and bits, {points} points of 64 x 64 directions. Verdicts of hit or miss are all that occlusion without a falloff asks for, so that one bit has the error of eight."));
+    report.table(&["kept as".to_owned(), "RMS".to_owned(), "papers".to_owned()], &lines);
+    Ok(())
+}
+
+/// Table 1.
+pub(super) fn table(models: &[Model], quick: bool, report: &mut Report) -> Result<()> {
+    report.head("Models on the CPU (Table 1)");
+    let rays = 3 * SIDE * SIDE * RAYS;
+    report.say(&format!(
+        "{rays} rays each; true rays by a tree of boxes eight wide, look-ups in maps of 32 x 32 directions; in parentheses the papers' \
+         bunny of 39K triangles."
+    ));
+    let mut lines = Vec::new();
+    for model in models {
+        let truth = Truth::new(model)?;
+        let points = if quick { 1090 } else { 4226 };
+        let [bake, look, error] =
+            truth.measure(Settings { points, directions: 32, ..Settings::default() })?;
+        let paper = (model.name == "Bunny").then_some(TABLE_1_BUNNY);
+        let cell = |value: f64, n: usize| match paper {
+            Some(paper) => format!("{value:.3} ({})", paper[n]),
+            None => format!("{value:.3}"),
+        };
+        lines.push(vec![
+            model.title(),
+            cell(truth.seconds, 0),
+            cell(bake, 1),
+            cell(look, 2),
+            format!("{error:.3}"),
+        ]);
+        for (n, (metric, value)) in
+            [("true rays", truth.seconds), ("bake", bake), ("look-ups", look)].into_iter().enumerate()
+        {
+            report.push(row("Table 1", model.title(), metric, value, "s", paper.map(|p| p[n])));
+        }
+    }
+    let header = ["model", "true rays s", "bake s", "look-ups s", "RMS"].map(str::to_owned);
+    report.table(&header, &lines);
+    Ok(())
+}

@@ -1,0 +1,32 @@
+//! `lumivox bench visibility`: Table 1 and Figures 33 to 44 and 48 of the dissertation's chapter 4, and what look-ups cost beside true
+//! rays.
+
+mod corner;
+mod floor;
+mod models;
+mod rates;
+
+use anyhow::{Context, Result};
+
+use super::report::Report;
+use super::timing::Timer;
+
+/// Runs all of it.
+pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result<()> {
+    let models = models::models(quick)?;
+    let first = models.first().context("a model")?;
+    report.say(
+        "The papers' CPU times are those of an Intel Xeon at 3 GHz and a Pentium 4 from before 2010, those on a device of a GeForce 8800 GTS; \
+         their numbers stand in parentheses.",
+    );
+    if first.name != "Bunny" {
+        report.say("`LUMIVOX_ASSETS` names no folder with the papers' models: bodies of the built-in scene `falling` stand in for them.");
+    }
+    corner::errors(first, quick, report)?;
+    corner::table(&models, quick, report)?;
+    rates::rates(timer, &models, quick, report)?;
+    rates::triangles(timer, quick, report)?;
+    floor::occlusion(timer, first, quick, report)?;
+    floor::shadows(timer, first, quick, report)?;
+    floor::elongated(timer, quick, report)
+}
