@@ -26,7 +26,7 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
     folder.line("field t.off --mapping polar").refused_with(&["'polar'", "concentric"]);
     folder.line("render builtin:falling --ao often -o x.png").refused_with(&["'often'", "field"]);
     for (arguments, words) in [
-        ("builtin:cornell --ao field", vec!["--casters", "moves"]),
+        ("builtin:arena --ao field", vec!["--casters", "moves"]),
         ("builtin:falling:0 --ao field --casters knot,cow", vec!["\"cow\"", "goblet"]),
         ("builtin:falling:0 --ao field --field-points 3", vec!["'3'", "4226"]),
         ("builtin:falling:0 --shadows field --light-radius 1e9", vec!["--light-radius"]),

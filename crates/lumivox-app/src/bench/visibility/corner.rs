@@ -160,7 +160,8 @@ pub(super) fn errors(model: &Model, quick: bool, report: &mut Report) -> Result<
         let settings = Settings { storage, ..base };
         let found = truth.measure(settings)?;
         let paper = (storage == Storage::Bit).then_some(FIGURE_36);
-        let name = format!("concentric, {} bits", storage.bits());
+        let plural = if storage == Storage::Bit { "" } else { "s" };
+        let name = format!("concentric, {} bit{plural}", storage.bits());
         lines.push(vec![
             name.clone(),
             format!("{:.3}", found[2]),
