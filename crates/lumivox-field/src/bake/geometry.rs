@@ -35,12 +35,20 @@ pub(crate) struct Geometry {
 impl Geometry {
     /// `normals` is empty or has the normals at the corners of each triangle.
     pub(crate) fn new(triangles: &[[Vec3; 3]], normals: &[[Vec3; 3]]) -> Self {
-        let boxed: Vec<_> = triangles
+        // No ray meets a triangle without area, and many of them in one place make the tree deeper than its traversal goes.
+        let kept: Vec<usize> = (0..triangles.len())
+            .filter(|&n| {
+                let [a, b, c] = triangles[n];
+                (b - a).cross(c - a) != Vec3::ZERO
+            })
+            .collect();
+        let boxed: Vec<_> = kept
             .iter()
-            .map(|[a, b, c]| Triangle { v0: (*a).into(), v1: (*b).into(), v2: (*c).into() })
+            .map(|&n| triangles[n].map(Vec3A::from))
+            .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
             .collect();
         let bvh = build_cwbvh_from_tris(&boxed, BvhBuildParams::medium_build(), &mut Duration::default());
-        let order = bvh.primitive_indices.iter().map(|&n| n as usize);
+        let order = bvh.primitive_indices.iter().map(|&n| kept[n as usize]);
         let corners = order.clone().map(|n| triangles[n].map(Vec3A::from)).collect();
         let normals = order.filter_map(|n| normals.get(n).copied()).collect();
         Self { bvh, corners, normals }

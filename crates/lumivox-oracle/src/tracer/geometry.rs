@@ -30,11 +30,16 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     pub(crate) fn new(triangles: impl Iterator<Item = [Vec3; 3]>) -> Self {
-        let triangles: Vec<_> =
-            triangles.map(|[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect();
+        // No ray meets a triangle without area, and many of them in one place make the tree deeper than its traversal goes.
+        let (kept, triangles): (Vec<u32>, Vec<_>) = (0..)
+            .zip(triangles)
+            .filter(|(_, [a, b, c])| (*b - *a).cross(*c - *a) != Vec3::ZERO)
+            .map(|(n, [a, b, c])| (n, Triangle { v0: a.into(), v1: b.into(), v2: c.into() }))
+            .unzip();
         let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
-        let numbers = bvh.primitive_indices.clone();
-        let corners = numbers.iter().map(|&n| &triangles[n as usize]).map(|t| [t.v0, t.v1, t.v2]).collect();
+        let order = || bvh.primitive_indices.iter().map(|&n| n as usize);
+        let corners = order().map(|n| &triangles[n]).map(|t| [t.v0, t.v1, t.v2]).collect();
+        let numbers = order().map(|n| kept[n]).collect();
         Self { bvh, corners, numbers }
     }
 

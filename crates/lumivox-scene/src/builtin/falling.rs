@@ -117,7 +117,7 @@ impl Fall {
 }
 
 /// The radius of every body.
-const RADIUS: f32 = 0.72;
+const RADIUS: f32 = 0.725;
 
 /// A body of [`RADIUS`] about the origin.
 fn body(number: usize, detail: u32) -> Builder {
@@ -228,7 +228,7 @@ mod tests {
         for (n, a) in FALLS.iter().enumerate() {
             for b in &FALLS[..n] {
                 let apart = a.place.distance(b.place);
-                assert!(apart > 1.45, "{n}: {apart}");
+                assert!(apart > 2.0 * RADIUS, "{n}: {apart}");
                 let above = |t: f32| a.at(t).y > b.at(t).y;
                 let moments = (0..60).map(|i| DURATION * i as f32 / 60.0);
                 passed += i32::from(moments.clone().any(above) && moments.clone().any(|t| !above(t)));

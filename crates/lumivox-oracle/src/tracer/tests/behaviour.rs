@@ -212,3 +212,18 @@ fn an_empty_scene_shows_its_sky_and_no_pixels_are_refused() {
     let none = Settings { samples: 0, ..settings };
     assert_eq!(tracer.render(&ROOM_CAMERA, &none, &|_| {}), Err(SceneError::EmptyPicture));
 }
+
+/// Points and lines among the triangles, thousands in one place: no ray meets them, and the tree must stand them.
+#[test]
+fn triangles_without_area_are_passed_over() {
+    let mut triangles = floor(4.0, 0.0);
+    let p = Vec3::new(0.1, 1.0, 0.1);
+    for n in 0..3000 {
+        let q = p + 1e-3 * (n % 7) as f32 * Vec3::X;
+        triangles.push([p, p, q]);
+        triangles.push([q, q, q]);
+    }
+    let scene = scene([(triangles, gray(0.5))], vec![Light::Constant { radiance: Vec3::ONE }]);
+    let e = Tracer::new(&scene).unwrap().irradiance(Vec3::new(0.1, 0.5, 0.1), Vec3::Y, None, 4000, 5);
+    assert!((e.direct.x - std::f32::consts::PI).abs() < 1e-3, "{}", e.direct);
+}
