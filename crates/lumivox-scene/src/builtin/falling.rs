@@ -192,9 +192,9 @@ fn goblet(b: &mut Builder, sides: u32) {
 fn arch(b: &mut Builder, sides: u32, steps: u32) {
     let pieces = sides / 2;
     let line = |radius: f32| {
-        let mut points = vec![Vec2::new(radius, -0.42)];
+        let mut points = vec![Vec2::new(radius, -0.39)];
         points.extend(bodies::arc(Vec2::new(0.0, -0.05), radius, [0.0, PI], pieces));
-        points.push(Vec2::new(-radius, -0.42));
+        points.push(Vec2::new(-radius, -0.39));
         points
     };
     let place = Mat4::from_translation(-0.19 * Vec3::Z);
