@@ -46,6 +46,8 @@ pub(super) fn run(gpu: &Gpu, quick: bool, report: &mut Report) -> Result<()> {
         stages.push(Stage::new(case, size, seconds)?);
     }
     errors::run(gpu, &stages, quick, report)?;
+    // Long runs are sometimes cut short.
+    report.write()?;
     curves::run(gpu, &stages, quick, report)?;
     table_2::run(gpu, &stages, report)
 }
