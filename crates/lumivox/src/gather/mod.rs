@@ -39,24 +39,28 @@ mod given_subcells;
 mod glossy;
 mod lattice;
 mod mask;
+mod readback;
 mod reconstruction;
 mod settings;
 mod sky_light;
+mod store;
 mod surfels;
 mod trace;
 mod view_subcells;
 
 pub use glossy::{GlossyUniform, MIN_ROUGHNESS};
 pub use lattice::LatticeUniform;
+pub use readback::SurfelCount;
 pub use settings::{GatherSettings, GatherUniform, Quality};
 pub(crate) use sky_light::CONSTANTS;
 
 use glam::Vec3;
 
-use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
+use crate::gpu::{Gpu, GpuError, Shader, Texture, Uniform};
 use crate::irradiance::IrradianceVolume;
 use crate::progressive::{LightView, ViewInput};
-use crate::volume::{VolumeBuffer, check_grid};
+use crate::volume::VolumeBuffer;
+use store::Store;
 
 /// The shared shader part of surfels.
 const SURFEL: &str = include_str!("surfel.wgsl");
@@ -71,25 +75,10 @@ const SEEN: &str = include_str!("seen.wgsl");
 
 /// Places of a cell in the table of surfels: two for each face.
 const SIDES: usize = 12;
-/// Bytes of a cell in that table. The mask and the sub-cells have 8 each.
-const TABLE_BYTES: u64 = 4 * SIDES as u64;
-/// Bytes of the sub-cells of one cell.
-const MASK_BYTES: u64 = 8;
 /// No surfel, in tables; the same bits mark a place without one.
 const NO_SURFEL: u32 = u32::MAX;
 /// A ray not traced yet.
 const UNTRACED: u32 = u32::MAX - 2;
-
-/// Surfels in use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SurfelCount {
-    /// Surfels that there are.
-    pub used: u32,
-    /// Room for them.
-    pub capacity: u32,
-    /// Surfels that found no room in the last [`GatheredLight::record_surfels`]; they are dark.
-    pub refused: u32,
-}
 
 /// What is known of the sub-cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,25 +124,6 @@ struct Passes {
     glossy: glossy::Glossy,
 }
 
-/// All that is kept on the GPU.
-#[derive(Debug)]
-struct Store {
-    subcells: Buffer,
-    mask: Buffer,
-    blocks: Buffer,
-    table: Buffer,
-    surfels: Buffer,
-    free_places: Buffer,
-    counts: Buffer,
-    dispatch: Buffer,
-    light: Buffer,
-    hits: Buffer,
-    sky: Buffer,
-    sky_light: Buffer,
-    shine: Buffer,
-    next_shine: Buffer,
-}
-
 impl GatheredLight {
     /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 76 and 4 for each ray.
     ///
@@ -166,41 +136,7 @@ impl GatheredLight {
             light_points: settings.light_points.clamp(1, 64),
             ..settings
         };
-        check_grid(gpu, "the table of surfels", volume.grid(), TABLE_BYTES)?;
-        let cells = volume.grid().cell_count();
-        let limits = gpu.device.limits();
-        let room = limits.max_storage_buffer_binding_size / (4 * u64::from(settings.rays)).max(16);
-        // Small grids have more surface for their cells.
-        let usual = (2 * cells).max((6 * cells).min(65_536));
-        let wanted = settings.surfels.map_or(usual, u64::from);
-        let capacity = wanted.clamp(64, room.max(64));
-        let blocks: u64 = volume.grid().dims.to_array().map(|n| u64::from(n.div_ceil(4))).iter().product();
-        let make = |name: &str, bytes: u64| Buffer::storage(gpu, &format!("gather/{name}"), bytes);
-        let store = Store {
-            subcells: make("sub-cells", cells * MASK_BYTES)?,
-            mask: make("mask", cells * MASK_BYTES)?,
-            blocks: make("blocks", blocks * MASK_BYTES)?,
-            table: make("table", cells * TABLE_BYTES)?,
-            surfels: make("surfels", capacity * 16)?,
-            free_places: make("free places", capacity * 4)?,
-            counts: make("counts", 12)?,
-            dispatch: dispatch::Dispatch::sizes(gpu),
-            light: make("direct light", capacity * 16)?,
-            hits: make("hits", capacity * 4 * u64::from(settings.rays))?,
-            sky: sky_light::SkyLight::squares(gpu)?,
-            sky_light: make("sky light", capacity * 8)?,
-            shine: make("shine", capacity * 16)?,
-            next_shine: make("next shine", capacity * 16)?,
-        };
-        let capacity = capacity as u32;
-        let write = |buffer: &Buffer, values: &[u32]| {
-            gpu.queue.write_buffer(&buffer.raw, 0, bytemuck::cast_slice(values));
-        };
-        write(&store.table, &vec![NO_SURFEL; SIDES * cells as usize]);
-        write(&store.surfels, &vec![NO_SURFEL; 4 * capacity as usize]);
-        // Low places are given out first.
-        write(&store.free_places, &(0..capacity).rev().collect::<Vec<_>>());
-        write(&store.counts, &[capacity, 0, 0]);
+        let (store, capacity) = Store::new(gpu, volume, &settings)?;
         let mut light = Self {
             passes: Passes {
                 whole_cells: mask::Mask::new(gpu, false),
@@ -438,64 +374,6 @@ impl GatheredLight {
     ) -> Result<(), GpuError> {
         let part = (rays.clamp(1, 1024), slice, slices);
         self.passes.lattice.record(gpu, encoder, volume, &self.store, target, part)
-    }
-
-    /// How many surfels there are. Waits; not for use inside a frame.
-    pub fn count(&self, gpu: &Gpu) -> Result<SurfelCount, GpuError> {
-        let counts: Vec<i32> = read_buffer(gpu, &self.store.counts)?;
-        let free = counts[0].clamp(0, self.capacity as i32) as u32;
-        Ok(SurfelCount {
-            used: self.capacity - free,
-            capacity: self.capacity,
-            refused: counts[1].max(0) as u32,
-        })
-    }
-
-    /// The sub-cells of each cell that rays see, as in [`upload_subcells`](Self::upload_subcells). Waits; not for use inside a
-    /// frame.
-    pub fn read_subcells(&self, gpu: &Gpu) -> Result<Vec<u64>, GpuError> {
-        read_buffer(gpu, &self.store.mask)
-    }
-
-    /// Irradiance, summed over surfels and colour bands: grows with each bounce by less, until light has settled. Reads back and
-    /// waits; not for use inside a frame.
-    pub fn total_irradiance(&self, gpu: &Gpu) -> Result<f64, GpuError> {
-        let shine: Vec<[half::f16; 8]> = read_buffer(gpu, &self.store.shine)?;
-        Ok(shine.iter().flat_map(|s| &s[4..7]).map(|e| e.to_f64()).sum())
-    }
-
-    /// Irradiance of each cell's six sides, in the order +x, -x, +y, -y, +z, -z; none where there is no surfel, and the mean
-    /// where there are two. Waits; not for use inside a frame.
-    pub fn read_irradiance(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
-        let shine: Vec<[half::f16; 8]> = read_buffer(gpu, &self.store.shine)?;
-        let sky: Vec<[half::f16; 4]> = read_buffer(gpu, &self.store.sky_light)?;
-        let share = if self.settings.sky_apart { 0.0 } else { std::f32::consts::PI };
-        self.read_sides(gpu, |place| {
-            let (shine, sky) = (shine.get(place)?, sky.get(place)?);
-            Some(Vec3::from_array(std::array::from_fn(|i| shine[4 + i].to_f32() + share * sky[i].to_f32())))
-        })
-    }
-
-    /// Radiance that each cell's six sides reflect of this frame's views, likewise.
-    pub fn read_direct(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
-        let light: Vec<[f32; 4]> = read_buffer(gpu, &self.store.light)?;
-        self.read_sides(gpu, |place| light.get(place).map(|l| Vec3::new(l[0], l[1], l[2])))
-    }
-
-    fn read_sides(
-        &self,
-        gpu: &Gpu,
-        value: impl Fn(usize) -> Option<Vec3>,
-    ) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
-        let table: Vec<[[u32; 2]; 6]> = read_buffer(gpu, &self.store.table)?;
-        let side = |parts: [u32; 2]| {
-            let found = parts.map(|place| value(place as usize));
-            match found {
-                [Some(one), Some(other)] => Some(0.5 * (one + other)),
-                [one, other] => one.or(other),
-            }
-        };
-        Ok(table.iter().map(|cell| cell.map(side)).collect())
     }
 }
 

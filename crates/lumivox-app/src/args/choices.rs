@@ -1,0 +1,178 @@
+//! One of a few words.
+
+use clap::ValueEnum;
+use lumivox::gather::Quality;
+use lumivox::light::Reflection;
+use lumivox::lpv::Blocking;
+use lumivox_render::voxel_view::VoxelChannel;
+use lumivox_render::{GiMethod, Layer, VoxelSource};
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum VoxelizerArg {
+    /// All triangles of the scene.
+    Triangles,
+    /// What views have shown so far.
+    Progressive,
+    /// The same, each cell asking each view once.
+    SinglePass,
+    /// What views show in this frame.
+    SingleFrame,
+}
+
+impl From<VoxelizerArg> for VoxelSource {
+    fn from(arg: VoxelizerArg) -> Self {
+        match arg {
+            VoxelizerArg::Triangles => Self::Triangles,
+            VoxelizerArg::Progressive => Self::Progressive,
+            VoxelizerArg::SinglePass => Self::SinglePass,
+            VoxelizerArg::SingleFrame => Self::SingleFrame,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum GiArg {
+    /// Direct light only.
+    Off,
+    /// Light propagation volumes: from cell to cell through everything. The baseline.
+    Lpv,
+    /// From cell to cell, step by step: soft, and blurred.
+    Propagation,
+    /// Along rays through the volume: sharper, and nearer to the truth.
+    Gather,
+}
+
+impl From<GiArg> for GiMethod {
+    fn from(arg: GiArg) -> Self {
+        match arg {
+            GiArg::Off => Self::Off,
+            GiArg::Lpv => Self::Lpv,
+            GiArg::Propagation => Self::Propagation,
+            GiArg::Gather => Self::Gather,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum MirrorArg {
+    /// They scatter it.
+    None,
+    /// Back through the face that it came by: the dissertation's.
+    Axis,
+    /// About their mean normal.
+    Normal,
+}
+
+impl From<MirrorArg> for Reflection {
+    fn from(arg: MirrorArg) -> Self {
+        match arg {
+            MirrorArg::None => Self::Lambertian,
+            MirrorArg::Axis => Self::AxisMirror,
+            MirrorArg::Normal => Self::NormalMirror,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum BlockingArg {
+    /// Nothing.
+    None,
+    /// Surfaces that views show.
+    Fuzzy,
+    /// These, and they reflect.
+    Reflecting,
+}
+
+impl From<BlockingArg> for Blocking {
+    fn from(arg: BlockingArg) -> Self {
+        match arg {
+            BlockingArg::None => Self::None,
+            BlockingArg::Fuzzy => Self::Fuzzy,
+            BlockingArg::Reflecting => Self::Reflecting,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum QualityArg {
+    /// 32 cells, 32 rays a surfel over four frames.
+    Low,
+    /// 64 cells, 64 rays over two frames.
+    Medium,
+    /// 64 cells, 256 rays.
+    High,
+    /// 128 cells, 512 rays: slow, to see what is left of the error.
+    Reference,
+}
+
+impl From<QualityArg> for Quality {
+    fn from(arg: QualityArg) -> Self {
+        match arg {
+            QualityArg::Low => Self::Low,
+            QualityArg::Medium => Self::Medium,
+            QualityArg::High => Self::High,
+            QualityArg::Reference => Self::Reference,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum LayerArg {
+    Final,
+    Direct,
+    Indirect,
+    Albedo,
+    Normal,
+    Depth,
+    /// Cells; --voxels and --slice say what of them.
+    Voxels,
+    /// Gathered light in free space, as balls that show what arrives from each side.
+    Lobes,
+    /// What all surfaces would mirror if they were glossy (roughness 0.4).
+    Glossy,
+    /// Where gathered light would leak if pixels did not look: blue for nowhere, red for all of it.
+    Leaks,
+    /// What objects with visibility fields let through of the sky's light; with --ao field.
+    Occlusion,
+}
+
+impl From<LayerArg> for Layer {
+    fn from(arg: LayerArg) -> Self {
+        match arg {
+            LayerArg::Final => Self::Final,
+            LayerArg::Direct => Self::Direct,
+            LayerArg::Indirect => Self::Indirect,
+            LayerArg::Albedo => Self::Albedo,
+            LayerArg::Normal => Self::Normal,
+            LayerArg::Depth => Self::Depth,
+            LayerArg::Voxels => Self::Voxels,
+            LayerArg::Lobes => Self::Lobes,
+            LayerArg::Leaks => Self::Leaks,
+            LayerArg::Glossy => Self::Glossy,
+            LayerArg::Occlusion => Self::Occlusion,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum VoxelsArg {
+    /// Albedo under a headlight, the light that leaves them, and emission.
+    Lit,
+    Albedo,
+    Normal,
+    Emission,
+    /// The direct light that leaves them.
+    Light,
+}
+
+impl From<VoxelsArg> for VoxelChannel {
+    fn from(arg: VoxelsArg) -> Self {
+        match arg {
+            VoxelsArg::Lit => Self::Lit,
+            VoxelsArg::Albedo => Self::Albedo,
+            VoxelsArg::Normal => Self::Normal,
+            VoxelsArg::Emission => Self::Emission,
+            VoxelsArg::Light => Self::Light,
+        }
+    }
+}

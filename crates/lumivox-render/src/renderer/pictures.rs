@@ -1,0 +1,109 @@
+//! From light to pictures, and what is asked of a renderer between frames.
+
+use glam::Vec3;
+use lumivox::VolumeBuffer;
+use lumivox::gather::{GatheredLight, SurfelCount};
+use lumivox::gpu::StageTimer;
+use lumivox::progressive::DirectLight;
+use lumivox_scene::Camera;
+
+use super::indirect::Indirect;
+use super::{FrameStats, Renderer, RendererError, Settings, Shade};
+use crate::composite::Layer;
+use crate::lobes::Lobes;
+
+impl Renderer {
+    /// Light to picture.
+    pub(super) fn compose(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
+        let Self { gpu, settings, camera, volume, indirect, irradiance, picture, .. } = self;
+        let occlusion = self.objects.as_ref().and_then(|o| o.factor(Shade::Occlusion));
+        let mut timer = StageTimer::new(gpu, clock);
+        timer.stage(gpu, "light/reconstruction", |e| match settings.layer {
+            Layer::Leaks => indirect.record_leaks(gpu, e, volume, &camera.input, irradiance),
+            Layer::Glossy => {
+                let view = &camera.input;
+                indirect.record_glossy(gpu, e, volume, view, irradiance, settings.roughness)
+            }
+            _ => indirect.record_reconstruction(gpu, e, volume, &camera.input, irradiance),
+        })?;
+        if settings.layer == Layer::Lobes {
+            let lobes = match &mut self.lobes {
+                Some(lobes) => lobes,
+                none => none.insert(Lobes::new(gpu, volume.grid())?),
+            };
+            timer.stage(gpu, "debug/lobes", |e| {
+                indirect.record_irradiance_volume(gpu, e, volume, lobes.lattice_mut())
+            })?;
+        }
+        timer.stage(gpu, "composite", |e| match settings.layer {
+            Layer::Voxels => self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture),
+            Layer::Lobes => match &self.lobes {
+                Some(lobes) => lobes.record(gpu, e, camera, picture),
+                None => Ok(()),
+            },
+            _ => self.composite_pass.record(gpu, e, camera, irradiance, occlusion, picture),
+        })?;
+        Ok(FrameStats { stages: timer.finish(gpu)? })
+    }
+
+    /// Makes a picture of the volume as the last frame left it, from any camera, without the cells above a height.
+    pub fn show_voxels(&mut self, camera: &Camera, cut_height: f32) -> Result<(), RendererError> {
+        self.set_camera(camera);
+        let Self { gpu, camera, volume, picture, .. } = self;
+        self.voxel_view.cut(gpu, cut_height);
+        camera.update(gpu, self.scale);
+        let mut timer = StageTimer::new(gpu, None);
+        timer.stage(gpu, "debug/voxels", |e| {
+            self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture)
+        })?;
+        timer.finish(gpu)?;
+        let Settings { voxel_channel, voxel_slice, .. } = self.settings;
+        self.voxel_view.show(gpu, self.volume.grid(), voxel_channel, voxel_slice);
+        Ok(())
+    }
+
+    /// The gathered light, if that is how light is found.
+    pub fn gathered(&self) -> Option<&GatheredLight> {
+        match &self.indirect {
+            Indirect::Gathered(gathered) => Some(gathered),
+            Indirect::Lpv(_) | Indirect::Propagated(_) => None,
+        }
+    }
+
+    /// How many surfels gathered light has, and how many found no room. Waits.
+    pub fn surfels(&self) -> Result<Option<SurfelCount>, RendererError> {
+        Ok(self.gathered().map(|light| light.count(&self.gpu)).transpose()?)
+    }
+
+    /// What light there still is to settle, as far as a step tells: flux under way
+    /// ([`IndirectLight::flux_under_way`](lumivox::light::IndirectLight::flux_under_way)), or for gathered light, all the irradiance
+    /// that there is, which grows until it has settled.
+    pub fn light_in_volume(&self) -> Result<f64, RendererError> {
+        Ok(match &self.indirect {
+            Indirect::Lpv(light) => light.flux_under_way(&self.gpu)?,
+            Indirect::Propagated(light) => light.flux_under_way(&self.gpu)?,
+            Indirect::Gathered(light) => light.total_irradiance(&self.gpu)?,
+        })
+    }
+
+    /// The picture, linear radiance, row 0 on top. Waits.
+    pub fn read_picture(&self) -> Result<Vec<Vec3>, RendererError> {
+        let texels: Vec<[half::f16; 4]> = lumivox::gpu::read_texture(&self.gpu, &self.picture)?;
+        Ok(texels.iter().map(|t| Vec3::new(t[0].to_f32(), t[1].to_f32(), t[2].to_f32())).collect())
+    }
+
+    /// The volume.
+    pub fn volume(&self) -> &VolumeBuffer {
+        &self.volume
+    }
+
+    /// The direct light of the volume's cells.
+    pub fn direct_light(&self) -> &DirectLight {
+        &self.direct_light
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+}
