@@ -100,6 +100,39 @@ pub(crate) fn file_pairs(ours: &Ours, files: &Files, albedo: &Picture, masks: &M
     pairs.collect()
 }
 
+/// The sum of direct and indirect light: what can be compared where surfaces glow, since the renderer counts all of their light
+/// as indirect.
+pub(crate) fn total(pairs: &[Pair], quantity: &str) -> Option<Pair> {
+    let of = |layer| pairs.iter().find(|p| p.layer == layer && p.quantity == quantity);
+    let (direct, indirect) = (of("direct")?, of("indirect")?);
+    Some(Pair {
+        layer: "total",
+        quantity: direct.quantity,
+        ours: sum(&direct.ours, &indirect.ours),
+        reference: sum(&direct.reference, &indirect.reference),
+        // Not independent: their sum is an upper bound.
+        standard_error: direct
+            .standard_error
+            .as_ref()
+            .zip(indirect.standard_error.as_ref())
+            .map(|(a, b)| sum(a, b)),
+        kept: direct.kept.clone(),
+    })
+}
+
+/// All pairs, and the totals behind them if surfaces glow.
+pub(crate) fn with_totals(mut pairs: Vec<Pair>, glows: bool) -> Vec<Pair> {
+    if glows {
+        let totals = ["radiance", "irradiance"].map(|quantity| total(&pairs, quantity));
+        pairs.extend(totals.into_iter().flatten());
+    }
+    pairs
+}
+
+fn sum(a: &Picture, b: &Picture) -> Picture {
+    Picture { pixels: a.pixels.iter().zip(&b.pixels).map(|(a, b)| *a + *b).collect(), ..*a }
+}
+
 fn irradiance(radiance: &Picture, albedo: &Picture, kept: &[bool]) -> Picture {
     let pixels = radiance.pixels.iter().zip(&albedo.pixels).zip(kept);
     let pixels = pixels.map(|((l, a), kept)| if *kept { PI * *l / *a } else { Vec3::ZERO });
@@ -204,6 +237,16 @@ mod tests {
         let c = pair(0.5, 0.0, Some(0.0)).compare();
         assert_eq!((c.mean_ours, c.mean_reference, c.mean_ratio, c.nrmse), (0.5, 0.0, None, None));
         assert!(c.note.unwrap().contains("black"));
+    }
+
+    #[test]
+    fn the_total_is_the_sum_of_both_layers() {
+        let layers = |layer, value: f32| Pair { layer, ..pair(value, 2.0 * value, Some(0.1)) };
+        let pairs = with_totals(vec![layers("direct", 1.0), layers("indirect", 3.0)], true);
+        let total = pairs.last().unwrap();
+        assert_eq!((pairs.len(), total.layer, total.quantity), (3, "total", "radiance"));
+        assert_eq!((total.ours.at(0, 0).x, total.reference.at(0, 0).x), (4.0, 8.0));
+        assert_eq!(total.standard_error.as_ref().unwrap().at(0, 0).x, 0.2);
     }
 
     #[test]

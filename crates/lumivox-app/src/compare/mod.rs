@@ -48,6 +48,12 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let oracle_scene = oracle_scene::oracle_scene(&scene);
     let oracle_camera = oracle_scene::oracle_camera(&camera);
 
+    let glows = scene.materials.iter().any(|m| m.emission.max_element() > 0.0);
+    if glows {
+        eprintln!(
+            "lumivox: surfaces glow: the renderer counts all of their light as indirect, so compare the total, not the layers"
+        );
+    }
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let settings = render::settings(&args.shot, &scene, size, Layer::Direct, true);
     let ours = ours::render(&gpu, &scene, settings, (args.points_a_side(), args.shot.iterations), &camera)
@@ -60,9 +66,10 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
                 folder: args.reference.as_ref().map(|f| f.display().to_string()).unwrap_or_default(),
                 irradiance: "its radiance over the path tracer's albedo",
             };
-            (measure::file_pairs(&ours, &files, &albedo, &masks), masks, stats)
+            let pairs = measure::file_pairs(&ours, &files, &albedo, &masks);
+            (measure::with_totals(pairs, glows), masks, stats)
         }
-        None => against_tracer(args, size, &ours, (&oracle_scene, &oracle_camera))?,
+        None => against_tracer(args, size, (&ours, glows), (&oracle_scene, &oracle_camera))?,
     };
     let comparisons: Vec<Comparison> = pairs.iter().map(Pair::compare).collect();
     if let ReferenceStats::PathTracer { noise_is_low, .. } = &mut reference {
@@ -137,7 +144,7 @@ type OracleView<'a> = (&'a lumivox_oracle::scene::Scene, &'a lumivox_oracle::sce
 fn against_tracer(
     args: &CompareArgs,
     size: Size,
-    ours: &Ours,
+    (ours, glows): (&Ours, bool),
     (scene, camera): OracleView<'_>,
 ) -> Result<(Vec<Pair>, Masks, ReferenceStats)> {
     let masks = |rendering: &lumivox_oracle::tracer::Rendering| {
@@ -153,7 +160,9 @@ fn against_tracer(
         max_seconds: args.max_seconds,
     };
     let traced = reference::trace(scene, camera, &budget, |rendering| {
-        measure::traced_pairs(ours, rendering, &masks(rendering)).iter().all(Pair::is_quiet)
+        let pairs = measure::with_totals(measure::traced_pairs(ours, rendering, &masks(rendering)), glows);
+        // Where surfaces glow, the layers apart are not what is asked.
+        pairs.iter().filter(|p| !glows || p.layer == "total").all(Pair::is_quiet)
     })?;
     let masks = masks(&traced.rendering);
     let stats = ReferenceStats::PathTracer {
@@ -164,7 +173,8 @@ fn against_tracer(
         max_seconds: args.max_seconds,
         noise_is_low: false,
     };
-    Ok((measure::traced_pairs(ours, &traced.rendering, &masks), masks, stats))
+    let pairs = measure::traced_pairs(ours, &traced.rendering, &masks);
+    Ok((measure::with_totals(pairs, glows), masks, stats))
 }
 
 /// The difference of the voxels, or why there is none.

@@ -5,6 +5,7 @@
 //! ray slips between two triangles that share their corners. Both sides count, and so do edges. Sample points and
 //! directions are symmetric, and so are many objects: rays through edges are common here.
 
+use std::collections::HashSet;
 use std::time::Duration;
 
 use glam::{Vec3, Vec3A};
@@ -35,11 +36,14 @@ pub(crate) struct Geometry {
 impl Geometry {
     /// `normals` is empty or has the normals at the corners of each triangle.
     pub(crate) fn new(triangles: &[[Vec3; 3]], normals: &[[Vec3; 3]]) -> Self {
-        // No ray meets a triangle without area, and many of them in one place make the tree deeper than its traversal goes.
+        // No ray meets a triangle without area, nor copies of one apart. Many of either in one place make the tree deeper than
+        // its traversal goes.
+        let mut known = HashSet::new();
         let kept: Vec<usize> = (0..triangles.len())
             .filter(|&n| {
                 let [a, b, c] = triangles[n];
-                (b - a).cross(c - a) != Vec3::ZERO
+                let is_new = known.insert(triangles[n].map(|p| p.to_array().map(f32::to_bits)));
+                is_new && (b - a).cross(c - a) != Vec3::ZERO
             })
             .collect();
         let boxed: Vec<_> = kept

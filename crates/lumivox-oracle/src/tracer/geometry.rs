@@ -4,12 +4,16 @@
 //! side of the sign of `d . ((q - p) x (q + p))`, which is exactly opposite for the edge `q p` of the neighbour, so no
 //! ray slips between two triangles that share their corners. Both sides count, and so do edges.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use glam::{Vec3, Vec3A};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{BvhBuildParams, triangle::Triangle};
+
+/// Copies of a triangle that are kept: their materials may have different holes.
+const MOST_COPIES: u32 = 4;
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -30,10 +34,17 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     pub(crate) fn new(triangles: impl Iterator<Item = [Vec3; 3]>) -> Self {
-        // No ray meets a triangle without area, and many of them in one place make the tree deeper than its traversal goes.
+        // No ray meets a triangle without area, nor many copies of one apart. Many of either in one place make the tree deeper
+        // than its traversal goes.
+        let mut copies: HashMap<[[u32; 3]; 3], u32> = HashMap::new();
         let (kept, triangles): (Vec<u32>, Vec<_>) = (0..)
             .zip(triangles)
-            .filter(|(_, [a, b, c])| (*b - *a).cross(*c - *a) != Vec3::ZERO)
+            .filter(|(_, corners)| {
+                let [a, b, c] = *corners;
+                let count = copies.entry(corners.map(|p| p.to_array().map(f32::to_bits))).or_default();
+                *count += 1;
+                *count <= MOST_COPIES && (b - a).cross(c - a) != Vec3::ZERO
+            })
             .map(|(n, [a, b, c])| (n, Triangle { v0: a.into(), v1: b.into(), v2: c.into() }))
             .unzip();
         let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());

@@ -3,14 +3,13 @@
 use anyhow::{Context, Result};
 use lumivox::gpu::Gpu;
 use lumivox_oracle::metrics;
-use lumivox_oracle::picture::Picture;
 use lumivox_oracle::tracer::{PixelFilter, Rendering};
 use lumivox_render::{GiMethod, Layer, Settings};
 use lumivox_scene::{Camera, Scene};
 
 use super::cases::Case;
 use crate::args::Size;
-use crate::compare::measure::{Comparison, Masks, Pair, traced_pairs};
+use crate::compare::measure::{self, Comparison, Masks, Pair, traced_pairs};
 use crate::compare::oracle_scene;
 use crate::compare::ours::{self, Ours};
 use crate::compare::reference::{self, Budget};
@@ -94,23 +93,11 @@ impl Stage {
     /// Irradiance of indirect light, or of all light where surfaces glow.
     fn pair(&self, ours: &Ours) -> Result<Pair> {
         let masks = Masks::new(&ours.drawn, &self.rendering.foreground(), &[&ours.albedo]);
-        let mut pairs = traced_pairs(ours, &self.rendering, &masks).into_iter();
-        let mut of = |layer| pairs.find(|p| p.layer == layer && p.quantity == "irradiance").context(layer);
-        let (direct, indirect) = (of("direct")?, of("indirect")?);
-        if !self.glows {
-            return Ok(indirect);
+        let pairs = traced_pairs(ours, &self.rendering, &masks);
+        if self.glows {
+            return measure::total(&pairs, "irradiance").context("the comparison lacks a layer");
         }
-        Ok(Pair {
-            layer: "direct and indirect",
-            ours: sum(&direct.ours, &indirect.ours),
-            reference: sum(&direct.reference, &indirect.reference),
-            // Not independent: their sum is an upper bound.
-            standard_error: direct.standard_error.zip(indirect.standard_error).map(|(a, b)| sum(&a, &b)),
-            ..indirect
-        })
+        let indirect = pairs.into_iter().find(|p| p.layer == "indirect" && p.quantity == "irradiance");
+        indirect.context("the comparison lacks a layer")
     }
-}
-
-fn sum(a: &Picture, b: &Picture) -> Picture {
-    Picture { pixels: a.pixels.iter().zip(&b.pixels).map(|(a, b)| *a + *b).collect(), ..*a }
 }

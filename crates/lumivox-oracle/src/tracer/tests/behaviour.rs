@@ -213,9 +213,10 @@ fn an_empty_scene_shows_its_sky_and_no_pixels_are_refused() {
     assert_eq!(tracer.render(&ROOM_CAMERA, &none, &|_| {}), Err(SceneError::EmptyPicture));
 }
 
-/// Points and lines among the triangles, thousands in one place: no ray meets them, and the tree must stand them.
+/// Points, lines and copies among the triangles, thousands in one place: no ray meets the former, and the tree must stand
+/// all.
 #[test]
-fn triangles_without_area_are_passed_over() {
+fn triangles_without_area_and_copies_are_passed_over() {
     let mut triangles = floor(4.0, 0.0);
     let p = Vec3::new(0.1, 1.0, 0.1);
     for n in 0..3000 {
@@ -223,6 +224,7 @@ fn triangles_without_area_are_passed_over() {
         triangles.push([p, p, q]);
         triangles.push([q, q, q]);
     }
+    triangles.extend(vec![[Vec3::ZERO, Vec3::X, Vec3::Z].map(|p| p - 9.0 * Vec3::Y); 10_000]);
     let scene = scene([(triangles, gray(0.5))], vec![Light::Constant { radiance: Vec3::ONE }]);
     let e = Tracer::new(&scene).unwrap().irradiance(Vec3::new(0.1, 0.5, 0.1), Vec3::Y, None, 4000, 5);
     assert!((e.direct.x - std::f32::consts::PI).abs() < 1e-3, "{}", e.direct);
