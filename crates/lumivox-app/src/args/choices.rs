@@ -101,7 +101,7 @@ pub(crate) enum QualityArg {
     Medium,
     /// 64 cells, 256 rays.
     High,
-    /// 128 cells, 512 rays: slow, to see what is left of the error.
+    /// 96 cells, 192 rays: slow, to see what is left of the error.
     Reference,
 }
 

@@ -105,7 +105,7 @@ impl Settings {
     /// | low | 32 | 1 | 8 |
     /// | medium | 64 | 2 | 32 |
     /// | high | 64 | 2 | 64 |
-    /// | reference | 128 | 4 | 256 |
+    /// | reference | 96 | 4 | 256 |
     ///
     /// Rays and points are those of [`GatherSettings::of`]. Memory and the number of surfels grow eight- and fourfold with twice the
     /// cells.
@@ -114,7 +114,7 @@ impl Settings {
             Quality::Low => (32, 1, 8),
             Quality::Medium => (64, 2, 32),
             Quality::High => (64, 2, 64),
-            Quality::Reference => (128, 4, 256),
+            Quality::Reference => (96, 4, 256),
         };
         Self { grid, bounces, area_maps, gather: GatherSettings::of(quality), ..Self::default() }
     }

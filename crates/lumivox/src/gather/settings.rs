@@ -32,7 +32,7 @@ impl GatherSettings {
             Quality::Low => (32, 4, 4),
             Quality::Medium => (64, 2, 16),
             Quality::High => (256, 1, 16),
-            Quality::Reference => (512, 1, 64),
+            Quality::Reference => (192, 1, 64),
         };
         Self { rays, frames, light_points, surfels: None, sky: Vec3::ZERO, sky_apart: false }
     }
@@ -53,7 +53,7 @@ impl Default for GatherSettings {
 /// | low | 32 | 8 | 4 | 204 |
 /// | medium | 64 | 32 | 16 | 332 |
 /// | high | 256 | 256 | 16 | 1100 |
-/// | reference | 512 | 512 | 64 | 2124 |
+/// | reference | 192 | 192 | 64 | 844 |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
     /// For weak devices: grain of a tenth, and what moves is seen by all rays after four frames.
@@ -62,7 +62,7 @@ pub enum Quality {
     Medium,
     /// For pictures that stand still, or strong devices.
     High,
-    /// To see what is left of the error when rays and points are plenty.
+    /// For finer grids: fewer rays leave room for more surfels, in the 128 MiB that a binding of the core tier has.
     Reference,
 }
 
