@@ -3,7 +3,8 @@
 use glam::{UVec3, Vec4};
 use lumivox_core::{PackedField, PackedMapping, PackedMaps, PackedStorage};
 
-use crate::gpu::{Buffer, Gpu, GpuError, Texture};
+use super::Objects;
+use crate::gpu::{Bindings, Buffer, Gpu, GpuError, Texture};
 
 crate::gpu_struct! {
     /// A field as shaders see it.
@@ -152,6 +153,17 @@ impl Fields {
     /// Never: there is at least one.
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty()
+    }
+
+    /// Binds what a look-up in the fields of these objects reads.
+    pub(super) fn bind<'a>(&'a self, objects: &'a Objects) -> Bindings<'a> {
+        Bindings::new()
+            .read("objects", &objects.buffer)
+            .read("fields", &self.uniforms)
+            .read("field_points", &self.points)
+            .read("field_table", &self.table)
+            .read("field_depths", &self.depths)
+            .read("field_maps", &self.maps)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Rays from a buffer against all objects: the secondary rays of a ray tracer (dissertation 4.5.2).
 
 use super::{FIELD, Fields, NORMAL, OBJECT, Objects, blending};
-use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
+use crate::gpu::{Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::wgsl::{OCTAHEDRON, linear_groups};
 
 pub(super) const SHADER: Shader = Shader {
@@ -104,14 +104,9 @@ impl RayQuery {
             let reason = format!("visibility/query: buffers too small for {count} rays");
             return Err(GpuError::Validation(reason));
         }
-        let bindings = Bindings::new()
+        let bindings = fields
+            .bind(objects)
             .read("query", &self.uniform)
-            .read("objects", &objects.buffer)
-            .read("fields", &fields.uniforms)
-            .read("field_points", &fields.points)
-            .read("field_table", &fields.table)
-            .read("field_depths", &fields.depths)
-            .read("field_maps", &fields.maps)
             .read("field_normals", &fields.normals)
             .read("rays", rays)
             .write("hits", hits);

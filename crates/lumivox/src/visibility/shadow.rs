@@ -6,7 +6,7 @@ use super::denoise::Denoise;
 use super::tiled_pass::TiledPass;
 use super::tiles::{Cull, Round, Tiles};
 use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD, blending};
-use crate::gpu::{Bindings, Gpu, GpuError, Shader, Texture, Uniform};
+use crate::gpu::{Gpu, GpuError, Shader, Texture, Uniform};
 use crate::wgsl::VIEW;
 
 pub(super) const SHADER: Shader = Shader {
@@ -184,18 +184,13 @@ impl SoftShadows {
         for LightTarget { tiles, uniform, factor } in lights {
             receiver.check(tiles.size())?;
             cull.record(gpu, encoder, receiver, objects, tiles)?;
-            let bindings = Bindings::new()
+            let bindings = fields
+                .bind(objects)
                 .read("view", receiver.uniform)
                 .read("tiles", &tiles.uniform)
                 .read("shadow", &*uniform)
                 .read("depth", receiver.depth)
                 .read("normal", receiver.normal)
-                .read("objects", &objects.buffer)
-                .read("fields", &fields.uniforms)
-                .read("field_points", &fields.points)
-                .read("field_table", &fields.table)
-                .read("field_depths", &fields.depths)
-                .read("field_maps", &fields.maps)
                 .read("tile_list", &tiles.list)
                 .read("tile_masks", &tiles.masks);
             let first = if settings.denoise { &mut *noisy } else { &mut *factor };
