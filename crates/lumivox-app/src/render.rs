@@ -50,6 +50,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if format == Format::Gif && args.fps > GIF_MAX_FPS {
         bail!("--fps {}: players show a .gif with at most {GIF_MAX_FPS} frames per second", args.fps);
     }
+    if args.light_budget.is_some_and(|ms| !(0.01..=1e6).contains(&ms)) {
+        bail!("--light-budget must be 0.01 to 1e6 milliseconds");
+    }
     check(&args.shot)?;
     let outputs: Vec<&Path> = [Some(first.as_path()), args.stats.as_deref()].into_iter().flatten().collect();
     outputs.iter().try_for_each(|path| output::prepare(path))?;
@@ -66,6 +69,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let is_still = args.frames.is_none();
     let settings = Settings {
         flow: args.flow,
+        light_every: args.light_every,
+        light_budget: args.light_budget,
         clip: motion.clip().filter(|_| !is_still),
         voxel_channel: args.voxels.into(),
         voxel_slice: args.slice.map(|slice| slice.0),
@@ -200,7 +205,11 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         None => VoxelSource::Progressive,
     };
     let usual = if still { Quality::High } else { Quality::Medium };
-    let preset = Settings::of(shot.quality.map_or(usual, Quality::from));
+    let mut preset = Settings::of(shot.quality.map_or(usual, Quality::from));
+    if still {
+        // There is no next frame for those that would have their turn later.
+        preset.gather.frames = 1.0;
+    }
     Settings {
         size: UVec2::new(size.0, size.1),
         grid: shot.grid.unwrap_or(preset.grid),
@@ -295,7 +304,8 @@ fn series(
     work: &mut Work,
     save: Save<'_>,
 ) -> Result<()> {
-    let clock = args.stats.is_some().then_some(clock::millis as fn() -> f64);
+    let measured = args.stats.is_some() || args.light_budget.is_some();
+    let clock = measured.then_some(clock::millis as fn() -> f64);
     let bar = progress(u64::from(count), "frames");
     for n in 0..count {
         let (pose, camera) = motion.pose(scene, args.shot.time + n as f32 / args.fps);

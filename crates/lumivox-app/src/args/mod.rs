@@ -182,6 +182,19 @@ pub(crate) struct RenderArgs {
     /// enough for all bounces, and what changes spreads by one cell a step.
     #[arg(long, requires = "frames")]
     pub(crate) flow: bool,
+    /// In a series, frames from one update of the volume and its light to the next; between them gathered light changes in
+    /// even steps.
+    #[arg(long, requires = "frames", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=60))]
+    pub(crate) light_every: u32,
+    /// In a series with --gi gather, milliseconds that gathering may take of a frame: as many surfaces have their turn as fit in.
+    #[arg(
+        long,
+        requires = "frames",
+        conflicts_with = "light_every",
+        allow_hyphen_values = true,
+        value_name = "MS"
+    )]
+    pub(crate) light_budget: Option<f64>,
     /// Frames per second of a series.
     #[arg(long, default_value_t = 12.0)]
     pub(crate) fps: f32,

@@ -19,6 +19,25 @@ const GLOSSY_RAYS: u32 = 32;
 /// Rays of a point whose light is shown.
 const LOBE_RAYS: u32 = 128;
 
+/// How much of the light is new in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pace {
+    /// That of the surfels whose turn it is.
+    Turns,
+    /// All in every `every`-th frame; this is the `n`-th.
+    Nth { n: u32, every: u32 },
+}
+
+impl Pace {
+    /// Whether anything is new.
+    pub(super) fn updates(self) -> bool {
+        match self {
+            Self::Turns => true,
+            Self::Nth { n, .. } => n == 0,
+        }
+    }
+}
+
 /// Light of the volume.
 #[derive(Debug)]
 pub(super) enum Indirect {
@@ -73,19 +92,35 @@ impl Indirect {
     }
 
     /// Once per frame, before recording.
-    pub(super) fn update(&mut self, gpu: &Gpu) {
+    pub(super) fn update(&mut self, gpu: &Gpu, pace: Pace) {
+        let Self::Gathered(light) = self else { return };
+        match pace {
+            Pace::Turns => light.begin_frame(gpu),
+            Pace::Nth { n, every } => light.begin_nth_frame(gpu, n, every),
+        }
+    }
+
+    /// How many frames a round of turns takes, from the next frame on.
+    pub(super) fn set_frames(&mut self, frames: f32) {
         if let Self::Gathered(light) = self {
-            light.begin_frame(gpu);
+            light.set_frames(frames);
         }
     }
 
     /// No direct light yet.
-    pub(super) fn record_dark(&mut self, encoder: &mut CommandEncoder) {
+    pub(super) fn record_dark(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
         match self {
             Self::Lpv(light) => light.record_begin(encoder),
-            Self::Gathered(light) => light.record_dark(encoder),
+            Self::Gathered(light) => light.record_dark(gpu, encoder)?,
             Self::Propagated(_) => {}
         }
+        Ok(())
+    }
+
+    /// In a frame without new light, what pixels see goes on towards the last.
+    pub(super) fn record_fade(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
+        let Self::Gathered(light) = self else { return Ok(()) };
+        light.record_fade(gpu, encoder)
     }
 
     /// Surfels of the volume as it is now.

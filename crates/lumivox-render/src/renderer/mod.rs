@@ -1,6 +1,7 @@
 //! The frame: what is rendered, in which order, from what into what.
 
 mod field_objects;
+mod frame;
 mod indirect;
 mod injected_lights;
 mod pictures;
@@ -11,6 +12,7 @@ mod view_voxelizer;
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::VolumeBuffer;
 use lumivox::core::{Bounds, Grid, GridError, View};
+use lumivox::gather::LightBudget;
 use lumivox::gpu::{Gpu, GpuError, StageTime, StageTimer, Texture};
 use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
 use lumivox::voxelize::VoxelizeError;
@@ -28,7 +30,7 @@ use crate::voxel_view::VoxelView;
 use field_objects::FieldObjects;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
-use view_voxelizer::{Target, ViewVoxelizer};
+use view_voxelizer::ViewVoxelizer;
 
 pub(crate) use field_objects::Shade;
 pub use field_objects::{Caster, ObjectFields};
@@ -89,8 +91,11 @@ pub struct Renderer {
     triangles: Option<TriangleVoxelizer>,
     direct_light: DirectLight,
     indirect: Indirect,
+    budget: Option<LightBudget>,
     /// Whether no frame has been made yet.
     fresh: bool,
+    /// Frames since then.
+    frames: u32,
     irradiance: Texture,
     spare_radiance: Texture,
     picture: Texture,
@@ -168,7 +173,9 @@ impl Renderer {
             triangles,
             direct_light,
             indirect,
+            budget: settings.light_budget.map(LightBudget::new),
             fresh: true,
+            frames: 0,
             irradiance: Texture::target(gpu, "render/irradiance", settings.size.to_array(), HDR_FORMAT)?,
             spare_radiance: Texture::target(
                 gpu,
@@ -227,144 +234,10 @@ impl Renderer {
         }
     }
 
-    /// Fills the volume from triangles that have moved, if that is where it comes from.
-    fn voxelize_triangles(&mut self, timer: &mut StageTimer) -> Result<(), GpuError> {
-        let Self { gpu, triangles: Some(triangles), volume, indirect, .. } = self else { return Ok(()) };
-        if !triangles.is_stale() {
-            return Ok(());
-        }
-        triangles.make_layers(gpu)?;
-        timer.stage(gpu, "voxelize/triangles", |e| triangles.record(gpu, e, volume, indirect.gathered_mut()))
-    }
-
     /// Chooses what the picture shows, from the next frame on.
     pub fn set_layer(&mut self, layer: Layer) {
         self.settings.layer = layer;
         self.composite_pass.update(&self.gpu, layer);
-    }
-
-    /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
-    pub fn frame(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
-        // Lights shine on the surfaces that the frame before left; the first frame makes them itself.
-        let makes_surfaces = matches!(self.indirect, Indirect::Gathered(_)) && self.views_fill_volume();
-        if std::mem::take(&mut self.fresh) && makes_surfaces {
-            self.frame(clock)?;
-        }
-        let views_fill = self.views_fill_volume();
-        let mut timer = StageTimer::new(&self.gpu, clock);
-        self.voxelize_triangles(&mut timer)?;
-        let Self { gpu, settings, scene, camera, shadowed, injected, volume, voxelizer, indirect, .. } = self;
-        let (gpu, objects) = (&*gpu, &mut self.objects);
-
-        camera.update(gpu, self.scale);
-        shadowed.update(gpu, &self.bounds, &camera.view);
-        injected.update(gpu, &self.bounds, self.scale);
-        indirect.update(gpu);
-        if let Some(objects) = objects {
-            objects.update(gpu, &self.places, &self.lights)?;
-        }
-
-        // What the camera sees, and how it is lit.
-        timer.stage(gpu, "raster/gbuffer", |e| {
-            camera.record_clear_radiance(e);
-            self.gbuffer_pass.record(gpu, e, scene, None, camera)
-        })?;
-        if let Some(objects) = objects {
-            objects.record(gpu, &mut timer, &camera.input)?;
-        }
-        for batch in &shadowed.batches {
-            timer.stage(gpu, "raster/shadow", |e| {
-                self.shadow_pass.record(gpu, e, scene, batch, &shadowed.atlas)
-            })?;
-            let factor = objects.as_ref().and_then(|o| o.factor(batch.shade));
-            timer.stage(gpu, "raster/direct", |e| {
-                self.direct_pass.record(gpu, e, shadowed, (batch, factor), camera, &mut self.spare_radiance)
-            })?;
-        }
-
-        if needs_volume(settings) {
-            // Views to volume, light by light, the camera last.
-            let light = &mut self.direct_light;
-            let keeps = settings.voxels != VoxelSource::SingleFrame;
-            let gathers = matches!(indirect, Indirect::Gathered(_));
-            if matches!(indirect, Indirect::Lpv(_)) {
-                timer.stage(gpu, "lpv/injection", |e| {
-                    indirect.record_dark(e);
-                    Ok::<(), GpuError>(())
-                })?;
-            }
-            if gathers {
-                timer.stage(gpu, "gather/surfels", |e| {
-                    indirect.record_dark(e);
-                    // Of triangles that moved; those that views bring come below.
-                    if views_fill { Ok(()) } else { indirect.record_surfels(gpu, e, volume) }
-                })?;
-            }
-            if views_fill {
-                timer.stage(gpu, "progressive/cleanup", |e| {
-                    voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })?;
-                    indirect.record_cleanup(gpu, e, &camera.input, volume, keeps)
-                })?;
-            }
-            for source in &mut injected.sources {
-                timer.stage(gpu, "raster/rsm", |e| {
-                    let mut views = source.views.iter_mut();
-                    views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
-                })?;
-                if let Some(stage) = indirect.light_stage() {
-                    timer.stage(gpu, stage, |e| indirect.record_light(gpu, e, source, volume))?;
-                }
-                if views_fill {
-                    timer.stage(gpu, "progressive/cleanup", |e| {
-                        voxelizer.record_cleanup(gpu, e, source, volume)
-                    })?;
-                    timer.stage(gpu, "progressive/injection", |e| {
-                        voxelizer.record_light(gpu, e, source, Target { volume, light })?;
-                        indirect.record_surfaces(gpu, e, source, volume, keeps)
-                    })?;
-                }
-            }
-            if views_fill {
-                timer.stage(gpu, "progressive/injection", |e| {
-                    voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
-                    indirect.record_injection(gpu, e, &camera.input, volume)
-                })?;
-            }
-            if views_fill && gathers {
-                timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
-            }
-
-            // Volume to light.
-            let [first, stage] = indirect.stages();
-            let steps = steps(settings);
-            if settings.flow && settings.gi == GiMethod::Propagation {
-                let lit = (&*volume, &self.direct_light);
-                timer.stage(gpu, stage, |e| indirect.record_flow(gpu, e, lit, steps))?;
-            } else {
-                timer.stage(gpu, first, |e| {
-                    indirect.record_seed(gpu, e, (volume, &self.direct_light), &camera.input)
-                })?;
-                timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, steps))?;
-            }
-        }
-        let mut stats = FrameStats { stages: timer.finish(gpu)? };
-        stats.stages.extend(self.compose(clock)?.stages);
-        Ok(stats)
-    }
-
-    /// Goes on with the light of the last frame, `iterations` steps or bounces more, and makes the picture anew.
-    pub fn settle(
-        &mut self,
-        iterations: u32,
-        clock: Option<fn() -> f64>,
-    ) -> Result<FrameStats, RendererError> {
-        let Self { gpu, volume, indirect, .. } = self;
-        let mut timer = StageTimer::new(gpu, clock);
-        let [_, stage] = indirect.stages();
-        timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, iterations))?;
-        let mut stats = FrameStats { stages: timer.finish(gpu)? };
-        stats.stages.extend(self.compose(clock)?.stages);
-        Ok(stats)
     }
 
     /// Whether views bring the volume surfaces and light, or the triangles have filled it and nobody asks for its light, or
@@ -379,14 +252,6 @@ impl Renderer {
 
 fn needs_volume(settings: &Settings) -> bool {
     settings.gi != GiMethod::Off || settings.layer == Layer::Voxels
-}
-
-fn steps(settings: &Settings) -> u32 {
-    match settings.gi {
-        GiMethod::Off => 0,
-        GiMethod::Lpv | GiMethod::Propagation => settings.iterations,
-        GiMethod::Gather => settings.bounces,
-    }
 }
 
 /// The samples of all lights for the picture and for the volume. Surfels see the sky by themselves: where light is gathered, the volume

@@ -55,6 +55,11 @@ pub struct Settings {
     pub gather: GatherSettings,
     /// Bounces of gathered light in every frame.
     pub bounces: u32,
+    /// Frames from one update of the volume and its light to the next, 1 for every frame. In the frames between, the picture of
+    /// gathered light goes in even steps from one to the next, so that it is late by as many frames; other light changes in jumps.
+    pub light_every: u32,
+    /// Milliseconds that gathered light may take of a frame, whatever `gather.frames` says; a frame has to be measured for it.
+    pub light_budget: Option<f64>,
     /// How light propagates; its sky is the scene's.
     pub light: LightSettings,
     /// Whether propagated light goes on flowing from frame to frame, by as many steps as `iterations` says, in place of beginning
@@ -131,6 +136,8 @@ impl Default for Settings {
             iterations: 64,
             gather: GatherSettings::default(),
             bounces: 2,
+            light_every: 1,
+            light_budget: None,
             light: LightSettings::default(),
             flow: false,
             reflection: Reflection::default(),

@@ -4,10 +4,12 @@ use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{ALBEDO, EMISSION, VolumeBuffer};
 use crate::wgsl::{GRID, OCTAHEDRON, PACK};
 
-use super::{GatherUniform, SURFEL, Store, dispatch};
+use super::{GatherUniform, SURFEL, Store, TURN, dispatch};
 
-pub(super) const SHADER: Shader =
-    Shader { name: "gather/bounce", parts: &[GRID, PACK, OCTAHEDRON, SURFEL, include_str!("bounce.wgsl")] };
+pub(super) const SHADER: Shader = Shader {
+    name: "gather/bounce",
+    parts: &[GRID, PACK, OCTAHEDRON, SURFEL, TURN, include_str!("bounce.wgsl")],
+};
 
 #[derive(Debug)]
 pub(super) struct Bounce(ComputePass);

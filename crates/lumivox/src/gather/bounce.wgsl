@@ -42,6 +42,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         after[place] = vec4u(0u);
         return;
     }
+    // Only rays cost time; what a surfel sends out by itself is taken up in every frame.
+    if GATHERS && !has_turn(place) && !is_new(light[place]) {
+        after[place] = before[place];
+        return;
+    }
     let own = light[place].rgb + unpack_half4(emission[surfel.cell]).rgb;
     var mean = unpack_half4(before[place].zw).rgb / PI;
     if GATHERS {

@@ -8,11 +8,11 @@ use crate::progressive::LightView;
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{GRID, OCTAHEDRON, PACK, VIEW, VISIBILITY};
 
-use super::{GatherUniform, SURFEL, Store, dispatch};
+use super::{GatherUniform, SURFEL, Store, TURN, dispatch};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/direct",
-    parts: &[GRID, PACK, VIEW, VISIBILITY, OCTAHEDRON, SURFEL, include_str!("direct.wgsl")],
+    parts: &[GRID, PACK, VIEW, VISIBILITY, OCTAHEDRON, SURFEL, TURN, include_str!("direct.wgsl")],
 };
 
 /// Cosine between the normals of a surfel and of what a view sees, from which both are one side of a surface.

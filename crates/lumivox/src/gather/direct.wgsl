@@ -36,6 +36,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if place >= settings.capacity {
         return;
     }
+    if !has_turn(place) && !is_new(light[place]) {
+        return;
+    }
     let surfel = unpack_surfel(surfels[place]);
     if !surfel.exists {
         return;

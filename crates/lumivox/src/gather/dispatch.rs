@@ -13,7 +13,7 @@ pub(super) const SHADER: Shader = Shader {
 
 /// Where a dispatch over surfels finds its size, in bytes.
 pub(super) const OVER_SURFELS: u64 = 0;
-/// Where one over this frame's rays does.
+/// Where one over their rays does.
 pub(super) const OVER_RAYS: u64 = 12;
 
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 @group(0) @binding(0) var<uniform> settings: GatherUniform;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
-// For passes over surfels, and for those over this frame's rays: three numbers each.
+// For passes over surfels, and for those over their rays: three numbers each.
 @group(0) @binding(2) var<storage, read_write> workgroups: array<u32>;
 
 // The same as `linear_groups` in Rust.
@@ -20,5 +20,5 @@ fn write_groups(at: u32, invocations: u32) {
 fn main() {
     let places = min(counts[2], settings.capacity);
     write_groups(0u, places);
-    write_groups(3u, places * settings.traced_rays);
+    write_groups(3u, places * settings.rays);
 }

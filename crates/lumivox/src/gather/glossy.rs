@@ -80,7 +80,7 @@ impl Glossy {
             .read("normal", &view.textures.normal)
             .read("table", &store.table)
             .read("surfels", &store.surfels)
-            .read("shine", &store.shine)
+            .read("shown", &store.shown)
             .read("mask", &store.mask)
             .read("blocks", &store.blocks)
             .read("sky", &store.sky);

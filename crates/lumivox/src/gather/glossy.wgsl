@@ -14,7 +14,7 @@ struct GlossyUniform {
 @group(0) @binding(4) var normal: texture_2d<f32>;
 @group(0) @binding(5) var<storage, read> table: array<u32>;
 @group(0) @binding(6) var<storage, read> surfels: array<vec4u>;
-@group(0) @binding(7) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(7) var<storage, read> shown: array<vec4u>;
 @group(0) @binding(8) var<storage, read> mask: array<vec2u>;
 @group(0) @binding(9) var<storage, read> blocks: array<vec2u>;
 @group(0) @binding(10) var<storage, read> sky: array<vec4f>;

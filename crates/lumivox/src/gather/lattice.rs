@@ -85,7 +85,7 @@ impl Lattice {
             .read("blocks", &store.blocks)
             .read("table", &store.table)
             .read("surfels", &store.surfels)
-            .read("shine", &store.shine)
+            .read("shown", &store.shown)
             .write_texture("red", red)
             .write_texture("green", green)
             .write_texture("blue", blue);

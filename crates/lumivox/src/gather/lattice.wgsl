@@ -16,7 +16,7 @@ struct LatticeUniform {
 @group(0) @binding(4) var<storage, read> blocks: array<vec2u>;
 @group(0) @binding(5) var<storage, read> table: array<u32>;
 @group(0) @binding(6) var<storage, read> surfels: array<vec4u>;
-@group(0) @binding(7) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(7) var<storage, read> shown: array<vec4u>;
 @group(0) @binding(8) var red: texture_storage_3d<rgba16float, write>;
 @group(0) @binding(9) var green: texture_storage_3d<rgba16float, write>;
 @group(0) @binding(10) var blue: texture_storage_3d<rgba16float, write>;

@@ -12,6 +12,7 @@
 //! | `trace` | rays through the sub-cells; empty cells and blocks are crossed in one step |
 //! | `sky_light` | what the sky sends along the rays that leave the grid |
 //! | `bounce` | radiance of what the rays met becomes irradiance, and irradiance radiance |
+//! | `fade` | what pixels see follows in even steps |
 //! | `reconstruction` | irradiance at a pixel from the surfels around it that face its way |
 //! | `lattice` | light in free space, for an [`IrradianceVolume`] |
 //! | `glossy` | what a glossy surface mirrors |
@@ -31,10 +32,17 @@
 //! frame; `mask` and `surfels` after the volume changed; then `trace`, bounces, `reconstruction`. Surfels that are new in a
 //! frame receive indirect light at once and direct light in the next.
 //! Surfels keep their place and their light from frame to frame, so that one or two bounces a frame are all bounces in time.
+//!
+//! **Turns.** Not all surfels need new light in each frame: with [`GatherSettings::frames`] above 1 they take turns, new ones at
+//! once, and [`LightBudget`] finds how many can have theirs in the time that a frame has for it. Or the whole waits and is updated
+//! every n-th frame ([`begin_nth_frame`](GatheredLight::begin_nth_frame)). Either way what pixels see changes in even steps.
 
 mod bounce;
+mod budget;
+mod dark;
 mod direct;
 mod dispatch;
+mod fade;
 mod given_subcells;
 mod glossy;
 mod lattice;
@@ -46,8 +54,10 @@ mod sky_light;
 mod store;
 mod surfels;
 mod trace;
+mod turns;
 mod view_subcells;
 
+pub use budget::LightBudget;
 pub use glossy::{GlossyUniform, MIN_ROUGHNESS};
 pub use lattice::LatticeUniform;
 pub use readback::SurfelCount;
@@ -61,6 +71,7 @@ use crate::irradiance::IrradianceVolume;
 use crate::progressive::{LightView, ViewInput};
 use crate::volume::VolumeBuffer;
 use store::Store;
+use turns::{FrameTurns, Turns};
 
 /// The shared shader part of surfels.
 const SURFEL: &str = include_str!("surfel.wgsl");
@@ -68,6 +79,8 @@ const SURFEL: &str = include_str!("surfel.wgsl");
 const MARCH: &str = include_str!("march.wgsl");
 /// Where a pixel looks from; after [`MARCH`].
 const FREE_POINT: &str = include_str!("free_point.wgsl");
+/// Whose turn it is; after [`SURFEL`], with `settings` bound.
+const TURN: &str = include_str!("turn.wgsl");
 /// Which surfel a ray met; after [`MARCH`].
 const MET: &str = include_str!("met.wgsl");
 /// What a ray sees; after [`MET`].
@@ -98,7 +111,7 @@ pub struct GatheredLight {
     settings: GatherSettings,
     uniform: Uniform<GatherUniform>,
     capacity: u32,
-    frame: u32,
+    turns: Turns,
     subcells: Subcells,
     store: Store,
 }
@@ -110,6 +123,7 @@ struct Passes {
     free: surfels::Surfels,
     give: surfels::Surfels,
     dispatch: dispatch::Dispatch,
+    dark: dark::Dark,
     direct: direct::Direct,
     given_subcells: given_subcells::GivenSubcells,
     view_subcells: view_subcells::ViewSubcells,
@@ -118,6 +132,7 @@ struct Passes {
     lattice: lattice::Lattice,
     take_light: bounce::Bounce,
     bounce: bounce::Bounce,
+    fade: fade::Fade,
     looking: reconstruction::Reconstruction,
     trusting: reconstruction::Reconstruction,
     leaks: reconstruction::Reconstruction,
@@ -125,14 +140,14 @@ struct Passes {
 }
 
 impl GatheredLight {
-    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 76 and 4 for each ray.
+    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 92 and 4 for each ray.
     ///
     /// # Errors
     /// A grid or a number of rays that does not fit the device.
     pub fn new(gpu: &Gpu, volume: &VolumeBuffer, settings: GatherSettings) -> Result<Self, GpuError> {
         let settings = GatherSettings {
             rays: settings.rays.clamp(1, 1024),
-            frames: settings.frames.clamp(1, settings.rays.clamp(1, 1024)),
+            frames: settings.frames.max(1.0),
             light_points: settings.light_points.clamp(1, 64),
             ..settings
         };
@@ -144,6 +159,7 @@ impl GatheredLight {
                 free: surfels::Surfels::new(gpu, true),
                 give: surfels::Surfels::new(gpu, false),
                 dispatch: dispatch::Dispatch::new(gpu),
+                dark: dark::Dark::new(gpu),
                 direct: direct::Direct::new(gpu),
                 given_subcells: given_subcells::GivenSubcells::new(gpu),
                 view_subcells: view_subcells::ViewSubcells::new(gpu),
@@ -152,6 +168,7 @@ impl GatheredLight {
                 lattice: lattice::Lattice::new(gpu),
                 take_light: bounce::Bounce::new(gpu, false),
                 bounce: bounce::Bounce::new(gpu, true),
+                fade: fade::Fade::new(gpu),
                 looking: reconstruction::Reconstruction::new(gpu, true),
                 trusting: reconstruction::Reconstruction::new(gpu, false),
                 leaks: reconstruction::Reconstruction::of_leaks(gpu),
@@ -160,7 +177,7 @@ impl GatheredLight {
             uniform: Uniform::new(gpu, "gather/settings", &bytemuck::Zeroable::zeroed()),
             settings,
             capacity,
-            frame: 0,
+            turns: Turns::default(),
             subcells: Subcells::Unknown,
             store,
         };
@@ -170,24 +187,35 @@ impl GatheredLight {
         Ok(light)
     }
 
-    /// Begins a frame: says which rays it traces. Once before recording.
+    /// Begins a frame, in which some surfels have their turn, or all if [`GatherSettings::frames`] is 1. Once before recording.
     pub fn begin_frame(&mut self, gpu: &Gpu) {
-        let GatherSettings { rays, frames, light_points, sky_apart, .. } = self.settings;
-        let traced_rays = rays.div_ceil(frames);
-        let first_ray = (self.frame * traced_rays) % (traced_rays * frames);
-        // The last frame of a round has what is left, which may be nothing.
-        let first_ray = first_ray.min(rays.saturating_sub(traced_rays));
-        self.frame = (self.frame + 1) % frames;
-        let uniform = GatherUniform {
-            rays,
-            first_ray,
-            traced_rays,
-            capacity: self.capacity,
-            light_points,
-            sky_apart: u32::from(sky_apart),
-            reserved_0: 0,
-            reserved_1: 0,
-        };
+        let turns = self.turns.next(self.settings.frames);
+        self.write_turns(gpu, turns);
+    }
+
+    /// Begins a frame in which all surfels have their turn, and are shown as they are then.
+    pub fn begin_whole_frame(&mut self, gpu: &Gpu) {
+        self.begin_nth_frame(gpu, 0, 1);
+    }
+
+    /// Begins frame `n` of light that is updated every `every`-th frame: in the first of them all surfels have their turn, and in the
+    /// others nothing but [`record_fade`](Self::record_fade) is needed.
+    pub fn begin_nth_frame(&mut self, gpu: &Gpu, n: u32, every: u32) {
+        self.write_turns(gpu, Turns::nth(n, every));
+    }
+
+    /// Changes [`GatherSettings::frames`], from the next frame on.
+    pub fn set_frames(&mut self, frames: f32) {
+        self.settings.frames = frames.max(1.0);
+    }
+
+    fn write_turns(&self, gpu: &Gpu, turns: FrameTurns) {
+        let GatherSettings { rays, light_points, sky_apart, .. } = self.settings;
+        let FrameTurns { share, phase, frames_left } = turns;
+        let sky_apart = u32::from(sky_apart);
+        let capacity = self.capacity;
+        let uniform =
+            GatherUniform { rays, capacity, light_points, sky_apart, share, phase, frames_left, reserved: 0 };
         self.uniform.write(gpu, &uniform);
     }
 
@@ -266,9 +294,9 @@ impl GatheredLight {
         self.passes.dispatch.record(gpu, encoder, &self.uniform, counts, dispatch)
     }
 
-    /// Takes away all direct light; each frame, before that of its views.
-    pub fn record_dark(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.clear_buffer(&self.store.light.raw, 0, None);
+    /// Takes away the direct light of the surfels whose turn it is; each frame, before that of its views.
+    pub fn record_dark(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
+        self.passes.dark.record(gpu, encoder, &self.uniform, &mut self.store)
     }
 
     /// Adds the light of one view: the reflective shadow map of a light, one of the six of a point light, or of one sample
@@ -296,7 +324,7 @@ impl GatheredLight {
     }
 
     /// Takes up the light of this frame's views and of the volume's emission, and adds `count` bounces to what the frames before
-    /// left. May be called again to go on.
+    /// left. May be called again to go on, in frames in which all have their turn.
     pub fn record_bounces(
         &mut self,
         gpu: &Gpu,
@@ -310,7 +338,13 @@ impl GatheredLight {
             pass.record(gpu, encoder, (volume, uniform), store)?;
             std::mem::swap(&mut self.store.shine, &mut self.store.next_shine);
         }
-        Ok(())
+        self.record_fade(gpu, encoder)
+    }
+
+    /// What pixels see goes a step towards the light that surfels have. Bounces do it by themselves; frames in which nothing
+    /// else is recorded need it.
+    pub fn record_fade(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
+        self.passes.fade.record(gpu, encoder, &self.uniform, &mut self.store)
     }
 
     /// Irradiance in W/m2 at every pixel of a G-buffer, into a target of [`crate::light::IRRADIANCE_FORMAT`]. Black where
@@ -326,7 +360,7 @@ impl GatheredLight {
         // Sub-cells that are not thin would hide surfels from the pixels of their own surface.
         let exact = self.subcells == Subcells::Given;
         let pass = if exact { &self.passes.looking } else { &self.passes.trusting };
-        pass.record(gpu, encoder, (volume, &self.uniform), &self.store, view, target)
+        pass.record(gpu, encoder, volume, &self.store, view, target)
     }
 
     /// Radiance that a glossy surface of one roughness would mirror at every pixel of a G-buffer, W/(m2 sr), into a target of
@@ -358,7 +392,7 @@ impl GatheredLight {
         view: &ViewInput,
         target: &mut Texture,
     ) -> Result<(), GpuError> {
-        self.passes.leaks.record(gpu, encoder, (volume, &self.uniform), &self.store, view, target)
+        self.passes.leaks.record(gpu, encoder, volume, &self.store, view, target)
     }
 
     /// Fills the `slice`-th of `slices` parts of an irradiance volume over this volume's grid, with `rays` rays for each point, 1 to
@@ -381,6 +415,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
     vec![
         mask::SHADER,
         surfels::SHADER,
+        dark::SHADER,
         direct::SHADER,
         given_subcells::SHADER,
         view_subcells::CLEANUP,
@@ -391,6 +426,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         lattice::SHADER,
         glossy::SHADER,
         bounce::SHADER,
+        fade::SHADER,
         reconstruction::SHADER,
     ]
 }

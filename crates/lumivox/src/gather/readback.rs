@@ -53,6 +53,15 @@ impl GatheredLight {
         })
     }
 
+    /// The irradiance that pixels see, likewise: on its way to that of [`read_irradiance`](Self::read_irradiance) where surfels take
+    /// turns.
+    pub fn read_shown(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
+        let shown: Vec<[half::f16; 8]> = read_buffer(gpu, &self.store.shown)?;
+        self.read_sides(gpu, |place| {
+            shown.get(place).map(|s| Vec3::from_array(std::array::from_fn(|i| s[4 + i].to_f32())))
+        })
+    }
+
     /// Radiance that each cell's six sides reflect of this frame's views, likewise.
     pub fn read_direct(&self, gpu: &Gpu) -> Result<Vec<[Option<Vec3>; 6]>, GpuError> {
         let light: Vec<[f32; 4]> = read_buffer(gpu, &self.store.light)?;

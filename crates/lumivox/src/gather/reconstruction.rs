@@ -2,13 +2,13 @@
 //! way. Those to which the way is blocked do not count: the lit floor behind a thin wall is near, too. That asks
 //! for sub-cells from triangles; those from views are too thick for it.
 
-use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, Uniform};
+use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
 use crate::light::IRRADIANCE_FORMAT;
 use crate::progressive::ViewInput;
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, FULLSCREEN, GRID, OCTAHEDRON, PACK, VIEW};
 
-use super::{FREE_POINT, GatherUniform, MARCH, SURFEL, Store};
+use super::{FREE_POINT, MARCH, SURFEL, Store};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/reconstruction",
@@ -49,7 +49,7 @@ impl Reconstruction {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        (volume, settings): (&VolumeBuffer, &Uniform<GatherUniform>),
+        volume: &VolumeBuffer,
         store: &Store,
         view: &ViewInput,
         target: &mut Texture,
@@ -61,11 +61,9 @@ impl Reconstruction {
             .read("normal", &view.textures.normal)
             .read("table", &store.table)
             .read("surfels", &store.surfels)
-            .read("shine", &store.shine)
+            .read("shown", &store.shown)
             .read("mask", &store.mask)
-            .read("blocks", &store.blocks)
-            .read("sky_light", &store.sky_light)
-            .read("settings", settings);
+            .read("blocks", &store.blocks);
         self.0.record(gpu, encoder, &bindings, target, false)
     }
 }

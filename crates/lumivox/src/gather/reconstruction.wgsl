@@ -6,13 +6,9 @@
 @group(0) @binding(3) var normal: texture_2d<f32>;
 @group(0) @binding(4) var<storage, read> table: array<u32>;
 @group(0) @binding(5) var<storage, read> surfels: array<vec4u>;
-@group(0) @binding(6) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(6) var<storage, read> shown: array<vec4u>;
 @group(0) @binding(7) var<storage, read> mask: array<vec2u>;
 @group(0) @binding(8) var<storage, read> blocks: array<vec2u>;
-@group(0) @binding(9) var<storage, read> sky_light: array<vec2u>;
-@group(0) @binding(10) var<uniform> settings: GatherUniform;
-
-const PI: f32 = 3.1415927;
 
 // Light from behind a wall must not reach a pixel by interpolation: this much of a surfel's weight is left if the way to it is
 // blocked, for pixels to which all ways seem so.
@@ -44,15 +40,6 @@ fn facing_weight(side: u32, surfel: Surfel, n: vec3f, strict: bool) -> f32 {
     return select(0.0, axis * axis * along * along, axis > 0.03 && along > 0.0);
 }
 
-// Irradiance of a surfel, with or without what comes straight from the sky.
-fn irradiance_of(place: u32) -> vec3f {
-    let from_surfaces = unpack_half4(shine[place].zw).rgb;
-    if settings.sky_apart != 0u {
-        return from_surfaces;
-    }
-    return from_surfaces + PI * unpack_half4(sky_light[place]).rgb;
-}
-
 // Weighted irradiance of the surfels in the eight cells around p, as far as they can be seen from `eye`, and the sum of the
 // weights.
 fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool, looks: bool) -> vec4f {
@@ -77,7 +64,7 @@ fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool, looks: bool) -> ve
             let facing = facing_weight(side, surfel, n, strict);
             if facing > 0.0 {
                 let weight = near * facing * select(BLOCKED, 1.0, !looks || in_sight(surfel, eye));
-                sum += weight * vec4f(irradiance_of(place), 1.0);
+                sum += weight * vec4f(unpack_half4(shown[place].zw).rgb, 1.0);
             }
         }
     }

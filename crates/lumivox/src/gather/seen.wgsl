@@ -1,4 +1,4 @@
-// What a ray sees. The shader that uses this binds `shine` and `sky`, and what is needed to know what a ray met.
+// What a ray sees. The shader that uses this binds `shown` and `sky`, and what is needed to know what a ray met.
 
 // Radiance that arrives at a point in sub-cells from a direction.
 fn radiance_along(origin: vec3f, direction: vec3f) -> vec3f {
@@ -10,5 +10,5 @@ fn radiance_along(origin: vec3f, direction: vec3f) -> vec3f {
     if place == DARK_HIT {
         return vec3f(0.0);
     }
-    return unpack_half4(shine[place].xy).rgb;
+    return unpack_half4(shown[place].xy).rgb;
 }

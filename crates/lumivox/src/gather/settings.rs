@@ -8,9 +8,11 @@ pub struct GatherSettings {
     /// Rays of a surfel, 1 to 1024. More mean less grain; the error of a surfel's irradiance falls about as fast as their number
     /// grows. Memory is 4 bytes a ray.
     pub rays: u32,
-    /// Frames over which the rays of all surfels are traced anew, 1 to `rays`. With more a frame costs less, and what moves is
-    /// seen later by others.
-    pub frames: u32,
+    /// Frames in which all surfels have a turn: their direct light, rays and bounces. 1 and up, and not always whole:
+    /// [`LightBudget`](super::LightBudget) finds the number that fits into a frame's time. With more a frame costs less, and light
+    /// follows what moves later, in even steps: what a lamp lights is seen whole after three times as many frames at most, one round
+    /// until it is asked for, one until others look, and one until that is shown.
+    pub frames: f32,
     /// Points of a surfel at which a view is asked for light, 1 to 64. More resolve the edges of shadows.
     pub light_points: u32,
     /// Room for surfels. Without it two for each cell, or as many as fit into a binding, if that is less, and six in grids of up
@@ -29,10 +31,10 @@ impl GatherSettings {
     /// The knobs of a preset, under a black sky.
     pub const fn of(quality: Quality) -> Self {
         let (rays, frames, light_points) = match quality {
-            Quality::Low => (32, 4, 4),
-            Quality::Medium => (64, 2, 16),
-            Quality::High => (256, 1, 16),
-            Quality::Reference => (192, 1, 64),
+            Quality::Low => (32, 3.0, 4),
+            Quality::Medium => (64, 2.0, 16),
+            Quality::High => (256, 1.0, 16),
+            Quality::Reference => (192, 1.0, 64),
         };
         Self { rays, frames, light_points, surfels: None, sky: Vec3::ZERO, sky_apart: false }
     }
@@ -41,22 +43,22 @@ impl GatherSettings {
 impl Default for GatherSettings {
     /// Between [`Quality::Medium`] and [`Quality::High`]: all rays in every frame, and 128 of them.
     fn default() -> Self {
-        Self { rays: 128, frames: 1, light_points: 16, surfels: None, sky: Vec3::ZERO, sky_apart: false }
+        Self { rays: 128, frames: 1.0, light_points: 16, surfels: None, sky: Vec3::ZERO, sky_apart: false }
     }
 }
 
 /// Presets of [`GatherSettings`]. The cost of a frame is mostly its rays and its bounces, the error mostly that of the grid, which
 /// the host chooses.
 ///
-/// | preset | rays of a surfel | traced per frame | points asked for light | bytes of a surfel |
+/// | preset | rays of a surfel | frames of a round | points asked for light | bytes of a surfel |
 /// | --- | ---: | ---: | ---: | ---: |
-/// | low | 32 | 8 | 4 | 204 |
-/// | medium | 64 | 32 | 16 | 332 |
-/// | high | 256 | 256 | 16 | 1100 |
-/// | reference | 192 | 192 | 64 | 844 |
+/// | low | 32 | 3 | 4 | 220 |
+/// | medium | 64 | 2 | 16 | 348 |
+/// | high | 256 | 1 | 16 | 1116 |
+/// | reference | 192 | 1 | 64 | 860 |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// For weak devices: grain of a tenth, and what moves is seen by all rays after four frames.
+    /// For weak devices: grain of a tenth, and what moves lights others up to nine frames later.
     Low,
     /// For motion.
     Medium,
@@ -71,19 +73,19 @@ crate::gpu_struct! {
     pub struct GatherUniform {
         /// Rays of a surfel.
         pub rays: u32,
-        /// The first of those traced this frame.
-        pub first_ray: u32,
-        /// Rays of a surfel traced this frame.
-        pub traced_rays: u32,
         /// Room for surfels.
         pub capacity: u32,
         /// Points of a surfel at which a view is asked.
         pub light_points: u32,
         /// Whether irradiance at pixels leaves out the sky.
         pub sky_apart: u32,
+        /// The part of all surfels whose turn it is, in units of 2^-32; `u32::MAX` is all.
+        pub share: u32,
+        /// Where on the circle of turns it begins.
+        pub phase: u32,
+        /// Frames until the next turn of all surfels, where they take turns together; else 0.
+        pub frames_left: u32,
         /// Unused.
-        pub reserved_0: u32,
-        /// Unused.
-        pub reserved_1: u32,
+        pub reserved: u32,
     }
 }

@@ -8,11 +8,11 @@ use glam::{Vec2, Vec3};
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::wgsl::{FACE, GRID, HALF_MAX, OCTAHEDRON, PACK};
 
-use super::{GatherUniform, SURFEL, Store, dispatch};
+use super::{GatherUniform, SURFEL, Store, TURN, dispatch};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/sky light",
-    parts: &[GRID, FACE, PACK, OCTAHEDRON, SURFEL, include_str!("sky_light.wgsl")],
+    parts: &[GRID, FACE, PACK, OCTAHEDRON, SURFEL, TURN, include_str!("sky_light.wgsl")],
 };
 
 /// Squares along a side of the sky.
@@ -64,6 +64,7 @@ impl SkyLight {
             .read("sky", &store.sky)
             .read("surfels", &store.surfels)
             .read("hits", &store.hits)
+            .read("light", &store.light)
             .write("sky_light", &mut store.sky_light);
         self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
     }

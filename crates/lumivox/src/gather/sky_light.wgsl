@@ -4,12 +4,16 @@
 @group(0) @binding(1) var<storage, read> sky: array<vec4f>;
 @group(0) @binding(2) var<storage, read> surfels: array<vec4u>;
 @group(0) @binding(3) var<storage, read> hits: array<u32>;
-@group(0) @binding(4) var<storage, read_write> sky_light: array<vec2u>;
+@group(0) @binding(4) var<storage, read> light: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> sky_light: array<vec2u>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let place = linear_id(id, workgroups);
     if place >= settings.capacity {
+        return;
+    }
+    if !has_turn(place) && !is_new(light[place]) {
         return;
     }
     var sum = vec3f(0.0);

@@ -28,6 +28,7 @@ pub(super) struct Store {
     pub(super) sky_light: Buffer,
     pub(super) shine: Buffer,
     pub(super) next_shine: Buffer,
+    pub(super) shown: Buffer,
 }
 
 impl Store {
@@ -62,6 +63,7 @@ impl Store {
             sky_light: make("sky light", capacity * 8)?,
             shine: make("shine", capacity * 16)?,
             next_shine: make("next shine", capacity * 16)?,
+            shown: make("shown", capacity * 16)?,
         };
         let capacity = capacity as u32;
         let write = |buffer: &Buffer, values: &[u32]| {

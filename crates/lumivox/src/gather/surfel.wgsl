@@ -20,17 +20,18 @@ const SKY_SIDE: f32 = 16.0;
 struct GatherUniform {
     // Rays of a surfel.
     rays: u32,
-    // The first of those that are traced this frame, and their number.
-    first_ray: u32,
-    traced_rays: u32,
     // Room for surfels.
     capacity: u32,
     // Points of a surfel at which a view is asked for light.
     light_points: u32,
     // Whether irradiance at pixels leaves out what comes straight from the sky.
     sky_apart: u32,
-    reserved_0: u32,
-    reserved_1: u32,
+    // The part of all surfels whose turn it is this frame, in units of 2^-32, and where on the circle of turns that begins.
+    share: u32,
+    phase: u32,
+    // Frames until the next turn of all surfels, where they take turns together; else 0.
+    frames_left: u32,
+    reserved: u32,
 }
 
 // The square of the sky that a direction lies in.

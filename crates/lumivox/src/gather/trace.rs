@@ -8,11 +8,11 @@ use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, OCTAHEDRON};
 
-use super::{GatherUniform, MARCH, MET, SURFEL, Store, dispatch};
+use super::{GatherUniform, MARCH, MET, SURFEL, Store, TURN, dispatch};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/trace",
-    parts: &[GRID, FACE, OCTAHEDRON, SURFEL, MARCH, MET, include_str!("trace.wgsl")],
+    parts: &[GRID, FACE, OCTAHEDRON, SURFEL, MARCH, MET, TURN, include_str!("trace.wgsl")],
 };
 
 #[derive(Debug)]

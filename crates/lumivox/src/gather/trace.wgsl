@@ -21,7 +21,7 @@ fn cosine_direction(n: vec3f, ray: u32, turn: f32) -> vec3f {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let index = linear_id(id, workgroups);
-    let place = index / settings.traced_rays;
+    let place = index / settings.rays;
     if place >= settings.capacity {
         return;
     }
@@ -29,7 +29,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if !surfel.exists {
         return;
     }
-    let ray = settings.first_ray + index % settings.traced_rays;
+    let ray = index % settings.rays;
+    // One that is new looks around at once, with some of its rays.
+    let at_once = ray % FIRST_RAYS == min(FIRST_RAYS, settings.rays) / 2u && hits[index] == UNTRACED;
+    if !has_turn(place) && !at_once {
+        return;
+    }
     let seed = SIDES * surfel.cell + surfel.side;
     let direction = cosine_direction(surfel.normal, ray, hashed(seed, 1u));
     // Points in another order than directions, so that near and far rays start everywhere.
@@ -45,5 +50,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if met.ended == MET_SUBCELL {
         hit = surfel_met(met, -direction);
     }
-    hits[place * settings.rays + ray] = hit;
+    hits[index] = hit;
 }

@@ -51,7 +51,7 @@ impl Room {
         light.begin_frame(gpu);
         run(gpu, |e| {
             light.record_surfels(gpu, e, volume)?;
-            light.record_dark(e);
+            light.record_dark(gpu, e)?;
             light.record_trace(gpu, e, volume)?;
             light.record_bounces(gpu, e, volume, bounces)
         })
@@ -184,7 +184,7 @@ fn strangers(labs: &Labs) -> Result<(), Failed> {
         cells
     };
     let (lit, dark) = (UVec3::new(5, 8, 8), UVec3::new(13, 8, 8));
-    let settings = GatherSettings { rays: 64, frames: 64, ..GatherSettings::default() };
+    let settings = GatherSettings { rays: 64, frames: 64.0, ..GatherSettings::default() };
     let mut room = Room::new(gpu, &with(lit), settings)?;
     for _ in 0..64 {
         room.frame(gpu, 1)?;

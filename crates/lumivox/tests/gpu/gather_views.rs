@@ -72,7 +72,7 @@ fn direct(labs: &Labs) -> Result<(), Failed> {
     let Room { volume, light } = &mut room;
     run(gpu, |e| {
         light.record_surfels(gpu, e, volume)?;
-        light.record_dark(e);
+        light.record_dark(gpu, e)?;
         light.record_light(gpu, e, &shot.input, volume)?;
         light.record_trace(gpu, e, volume)?;
         light.record_bounces(gpu, e, volume, 2)
@@ -141,7 +141,7 @@ fn no_objects(_: &Labs) -> Result<(), Failed> {
     let gpu = &Gpu::new_blocking(&AdapterChoice::default(), Tier::Core)?;
     let (cells, things) = half_lit();
     let shot = from_above(gpu, &things)?;
-    let mut room = Room::new(gpu, &cells, GatherSettings { frames: 4, ..GatherSettings::default() })?;
+    let mut room = Room::new(gpu, &cells, GatherSettings { frames: 4.0, ..GatherSettings::default() })?;
     let Room { volume, light } = &mut room;
     let mut frame = || -> Result<u64, GpuError> {
         let before = gpu.created_objects();
@@ -150,7 +150,7 @@ fn no_objects(_: &Labs) -> Result<(), Failed> {
             light.record_cleanup(gpu, e, &shot.input, volume)?;
             light.record_injection(gpu, e, &shot.input, volume)?;
             light.record_surfels(gpu, e, volume)?;
-            light.record_dark(e);
+            light.record_dark(gpu, e)?;
             light.record_light(gpu, e, &shot.input, volume)?;
             light.record_trace(gpu, e, volume)?;
             light.record_bounces(gpu, e, volume, 3)

@@ -10,6 +10,7 @@ mod energy;
 mod flow;
 mod gather;
 mod gather_proof;
+mod gather_turns;
 mod gather_views;
 mod irradiance;
 mod light;
@@ -60,6 +61,7 @@ fn main() -> ExitCode {
         gather::TESTS,
         gather_views::TESTS,
         gather_proof::TESTS,
+        gather_turns::TESTS,
         irradiance::TESTS,
         lpv::TESTS,
         proof::TESTS,

@@ -1,6 +1,7 @@
 //! `lumivox bench light`: indirect light by every method against path-traced references: errors, what they cost, and Table 2 of
 //! the dissertation (5.6), whose scenes of Figures 53 to 57 are among ours.
 
+mod amortized;
 mod cases;
 mod curves;
 mod errors;
@@ -49,5 +50,6 @@ pub(super) fn run(gpu: &Gpu, quick: bool, report: &mut Report) -> Result<()> {
     // Long runs are sometimes cut short.
     report.write()?;
     curves::run(gpu, &stages, quick, report)?;
-    table_2::run(gpu, &stages, report)
+    table_2::run(gpu, &stages, report)?;
+    amortized::run(gpu, &stages, quick, report)
 }

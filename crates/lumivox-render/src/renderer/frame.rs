@@ -1,0 +1,181 @@
+//! A frame, stage by stage.
+
+use lumivox::gpu::{GpuError, StageTimer};
+
+use super::indirect::{Indirect, Pace};
+use super::view_voxelizer::Target;
+use super::{FrameStats, GiMethod, Renderer, RendererError, Settings, VoxelSource, needs_volume};
+
+impl Renderer {
+    /// The stages that take as long as the light whose turn it is, for [`Settings::light_budget`].
+    pub const PACED_STAGES: [&str; 3] = ["gather/direct", "gather/trace", "gather/bounce"];
+
+    /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
+    pub fn frame(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
+        // Lights shine on the surfaces that the frame before left; the first frame makes them itself.
+        let makes_surfaces = matches!(self.indirect, Indirect::Gathered(_)) && self.views_fill_volume();
+        if std::mem::take(&mut self.fresh) && makes_surfaces {
+            self.frame(clock)?;
+            self.frames = 0;
+        }
+        let pace = self.pace();
+        self.frames = self.frames.wrapping_add(1);
+        let mut timer = StageTimer::new(&self.gpu, clock);
+        if pace.updates() {
+            self.voxelize_triangles(&mut timer)?;
+        }
+        self.record_view(&mut timer, pace)?;
+        if needs_volume(&self.settings) && pace.updates() {
+            self.record_volume(&mut timer)?;
+        } else {
+            timer.stage(&self.gpu, "gather/fade", |e| self.indirect.record_fade(&self.gpu, e))?;
+        }
+        let mut stats = FrameStats { stages: timer.finish(&self.gpu)? };
+        if let Some(budget) = &mut self.budget {
+            let gathering = stats.stages.iter().filter(|s| Self::PACED_STAGES.contains(&s.stage));
+            self.indirect.set_frames(budget.measured(gathering.map(|s| s.millis).sum()));
+        }
+        stats.stages.extend(self.compose(clock)?.stages);
+        Ok(stats)
+    }
+
+    /// What of the light is new in the next frame.
+    fn pace(&self) -> Pace {
+        match self.settings.light_every {
+            0 | 1 => Pace::Turns,
+            every => Pace::Nth { n: self.frames % every, every },
+        }
+    }
+
+    /// What the camera sees, and how it is lit.
+    fn record_view(&mut self, timer: &mut StageTimer, pace: Pace) -> Result<(), RendererError> {
+        let Self { gpu, scene, camera, shadowed, injected, indirect, .. } = self;
+        let (gpu, objects) = (&*gpu, &mut self.objects);
+        camera.update(gpu, self.scale);
+        shadowed.update(gpu, &self.bounds, &camera.view);
+        injected.update(gpu, &self.bounds, self.scale);
+        indirect.update(gpu, pace);
+        if let Some(objects) = objects {
+            objects.update(gpu, &self.places, &self.lights)?;
+        }
+        timer.stage(gpu, "raster/gbuffer", |e| {
+            camera.record_clear_radiance(e);
+            self.gbuffer_pass.record(gpu, e, scene, None, camera)
+        })?;
+        if let Some(objects) = objects {
+            objects.record(gpu, timer, &camera.input)?;
+        }
+        for batch in &shadowed.batches {
+            timer.stage(gpu, "raster/shadow", |e| {
+                self.shadow_pass.record(gpu, e, scene, batch, &shadowed.atlas)
+            })?;
+            let factor = objects.as_ref().and_then(|o| o.factor(batch.shade));
+            timer.stage(gpu, "raster/direct", |e| {
+                self.direct_pass.record(gpu, e, shadowed, (batch, factor), camera, &mut self.spare_radiance)
+            })?;
+        }
+
+        Ok(())
+    }
+
+    /// Fills the volume and its light.
+    fn record_volume(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
+        let views_fill = self.views_fill_volume();
+        let Self { gpu, settings, scene, camera, injected, volume, voxelizer, indirect, .. } = self;
+        let gpu = &*gpu;
+        // Views to volume, light by light, the camera last.
+        let light = &mut self.direct_light;
+        let keeps = settings.voxels != VoxelSource::SingleFrame;
+        let gathers = matches!(indirect, Indirect::Gathered(_));
+        if matches!(indirect, Indirect::Lpv(_)) {
+            timer.stage(gpu, "lpv/injection", |e| indirect.record_dark(gpu, e))?;
+        }
+        if gathers {
+            timer.stage(gpu, "gather/surfels", |e| {
+                indirect.record_dark(gpu, e)?;
+                // Of triangles that moved; those that views bring come below.
+                if views_fill { Ok(()) } else { indirect.record_surfels(gpu, e, volume) }
+            })?;
+        }
+        if views_fill {
+            timer.stage(gpu, "progressive/cleanup", |e| {
+                voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })?;
+                indirect.record_cleanup(gpu, e, &camera.input, volume, keeps)
+            })?;
+        }
+        for source in &mut injected.sources {
+            timer.stage(gpu, "raster/rsm", |e| {
+                let mut views = source.views.iter_mut();
+                views.try_for_each(|v| self.rsm_pass.record(gpu, e, scene, Some(&source.uniform), v))
+            })?;
+            if let Some(stage) = indirect.light_stage() {
+                timer.stage(gpu, stage, |e| indirect.record_light(gpu, e, source, volume))?;
+            }
+            if views_fill {
+                timer.stage(gpu, "progressive/cleanup", |e| {
+                    voxelizer.record_cleanup(gpu, e, source, volume)
+                })?;
+                timer.stage(gpu, "progressive/injection", |e| {
+                    voxelizer.record_light(gpu, e, source, Target { volume, light })?;
+                    indirect.record_surfaces(gpu, e, source, volume, keeps)
+                })?;
+            }
+        }
+        if views_fill {
+            timer.stage(gpu, "progressive/injection", |e| {
+                voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
+                indirect.record_injection(gpu, e, &camera.input, volume)
+            })?;
+        }
+        if views_fill && gathers {
+            timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
+        }
+
+        // Volume to light.
+        let [first, stage] = indirect.stages();
+        let steps = steps(settings);
+        if settings.flow && settings.gi == GiMethod::Propagation {
+            let lit = (&*volume, &self.direct_light);
+            timer.stage(gpu, stage, |e| indirect.record_flow(gpu, e, lit, steps))?;
+        } else {
+            timer.stage(gpu, first, |e| {
+                indirect.record_seed(gpu, e, (volume, &self.direct_light), &camera.input)
+            })?;
+            timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, steps))?;
+        }
+        Ok(())
+    }
+
+    /// Goes on with the light of the last frame, `iterations` steps or bounces more, and makes the picture anew.
+    pub fn settle(
+        &mut self,
+        iterations: u32,
+        clock: Option<fn() -> f64>,
+    ) -> Result<FrameStats, RendererError> {
+        let Self { gpu, volume, indirect, .. } = self;
+        let mut timer = StageTimer::new(gpu, clock);
+        let [_, stage] = indirect.stages();
+        timer.stage(gpu, stage, |e| indirect.record_steps(gpu, e, volume, iterations))?;
+        let mut stats = FrameStats { stages: timer.finish(gpu)? };
+        stats.stages.extend(self.compose(clock)?.stages);
+        Ok(stats)
+    }
+
+    /// Fills the volume from triangles that have moved, if that is where it comes from.
+    pub(super) fn voxelize_triangles(&mut self, timer: &mut StageTimer) -> Result<(), GpuError> {
+        let Self { gpu, triangles: Some(triangles), volume, indirect, .. } = self else { return Ok(()) };
+        if !triangles.is_stale() {
+            return Ok(());
+        }
+        triangles.make_layers(gpu)?;
+        timer.stage(gpu, "voxelize/triangles", |e| triangles.record(gpu, e, volume, indirect.gathered_mut()))
+    }
+}
+
+fn steps(settings: &Settings) -> u32 {
+    match settings.gi {
+        GiMethod::Off => 0,
+        GiMethod::Lpv | GiMethod::Propagation => settings.iterations,
+        GiMethod::Gather => settings.bounces,
+    }
+}

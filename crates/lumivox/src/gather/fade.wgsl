@@ -1,0 +1,30 @@
+// What is shown of one surfel per invocation: it goes in even steps from its light of the last turn to that of this one, and is
+// there when the next begins.
+
+@group(0) @binding(0) var<uniform> settings: GatherUniform;
+@group(0) @binding(1) var<storage, read> surfels: array<vec4u>;
+@group(0) @binding(2) var<storage, read> light: array<vec4f>;
+@group(0) @binding(3) var<storage, read> sky_light: array<vec2u>;
+@group(0) @binding(4) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(5) var<storage, read_write> shown: array<vec4u>;
+
+const PI: f32 = 3.1415927;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
+    let place = linear_id(id, workgroups);
+    if place >= settings.capacity || surfels[place].x == NO_SURFEL {
+        return;
+    }
+    let radiance = unpack_half4(shine[place].xy);
+    var irradiance = unpack_half4(shine[place].zw);
+    if settings.sky_apart == 0u {
+        irradiance += PI * unpack_half4(sky_light[place]);
+    }
+    let step = select(1.0 / frames_to_turn(place), 1.0, is_new(light[place]));
+    let before = shown[place];
+    shown[place] = vec4u(
+        pack_half4(mix(unpack_half4(before.xy), radiance, step)),
+        pack_half4(mix(unpack_half4(before.zw), irradiance, step)),
+    );
+}
