@@ -54,6 +54,8 @@ pub enum VoxelChannel {
     Emission,
     /// The direct light that leaves its visible face.
     Light,
+    /// As [`Self::Lit`], and pink where the triangles have a surface that no view has brought into the volume yet.
+    Unseen,
 }
 
 /// A layer of cells: across which axis, and where on it in metres.
@@ -98,13 +100,14 @@ impl VoxelView {
         self.uniform.write(gpu, &shown(channel, (low, high)));
     }
 
-    /// Draws the cells as the camera would see them.
+    /// Draws the cells as the camera would see them; `expected` is what [`VoxelChannel::Unseen`] compares the volume with.
     pub fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         camera: &SurfaceView,
         (volume, light): (&VolumeBuffer, &DirectLight),
+        expected: Option<&VolumeBuffer>,
         picture: &mut Texture,
     ) -> Result<(), GpuError> {
         let missing = || GpuError::Validation("the voxel view needs normal, albedo and emission".to_owned());
@@ -115,7 +118,8 @@ impl VoxelView {
             .read("normal", volume.channel(NORMAL).ok_or_else(missing)?)
             .read("albedo", volume.channel(ALBEDO).ok_or_else(missing)?)
             .read("emission", volume.channel(EMISSION).ok_or_else(missing)?)
-            .read("light", light.coefficients());
+            .read("light", light.coefficients())
+            .read("expected", expected.unwrap_or(volume).channel(NORMAL).ok_or_else(missing)?);
         self.pass.record(gpu, encoder, &bindings, picture, false)
     }
 }
@@ -130,6 +134,7 @@ fn shown(channel: VoxelChannel, (low, high): (Vec3, Vec3)) -> VoxelViewUniform {
         VoxelChannel::Normal => 2,
         VoxelChannel::Emission => 3,
         VoxelChannel::Light => 4,
+        VoxelChannel::Unseen => 5,
     };
     VoxelViewUniform {
         headlight: 0.6,

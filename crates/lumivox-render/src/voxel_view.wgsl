@@ -18,6 +18,11 @@ struct VoxelViewUniform {
 @group(0) @binding(4) var<storage, read> albedo: array<vec2u>;
 @group(0) @binding(5) var<storage, read> emission: array<vec2u>;
 @group(0) @binding(6) var<storage, read> light: array<vec2u>;
+// Normals of the volume that there would be if all surfaces had been seen.
+@group(0) @binding(7) var<storage, read> expected: array<vec2u>;
+
+const UNSEEN: u32 = 5u;
+const PINK: vec3f = vec3f(1.0, 0.13, 0.45);
 
 struct Ray {
     origin: vec3f,
@@ -31,6 +36,14 @@ fn pixel_ray(position: vec2f) -> Ray {
     let b = view.world_from_clip * vec4f(ndc, view.far_depth, 1.0);
     let origin = grid_from_world(grid, a.xyz / a.w);
     return Ray(origin, normalize(grid_from_world(grid, b.xyz / b.w) - origin));
+}
+
+fn is_occupied(index: u32) -> bool {
+    return unpack_half4(normal[index]).w > 0.0;
+}
+
+fn is_shown(index: u32) -> bool {
+    return is_occupied(index) || (voxel_view.channel == UNSEEN && unpack_half4(expected[index]).w > 0.0);
 }
 
 fn shade(index: u32, face: vec3f, direction: vec3f, shade_edge: f32) -> vec3f {
@@ -50,6 +63,9 @@ fn shade(index: u32, face: vec3f, direction: vec3f, shade_edge: f32) -> vec3f {
     }
     // A different brightness for each axis, so that cubes read as cubes.
     let axis_shade = dot(abs(face), vec3f(0.8, 1.0, 0.62)) * (0.6 + 0.4 * abs(dot(face, direction)));
+    if !is_occupied(index) {
+        return shade_edge * axis_shade * PINK;
+    }
     let headlight = voxel_view.headlight * axis_shade * color;
     return shade_edge * (headlight + voxel_view.light * max(leaving, vec3f(0.0)) + unpack_half4(emission[index]).rgb);
 }
@@ -83,7 +99,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         // The cell that the eye is in would hide everything.
         let middle = cell_center(grid, vec3u(cell));
         let shown = all(middle >= voxel_view.low) && all(middle <= voxel_view.high);
-        if shown && unpack_half4(normal[index]).w > 0.0 && distance > 0.5 {
+        if shown && is_shown(index) && distance > 0.5 {
             let p = fract(ray.origin + distance * ray.direction);
             let across = select(min(p, 1.0 - p), vec3f(1.0), abs(face) > vec3f(0.5));
             let edge = min(min(across.x, across.y), across.z);

@@ -163,6 +163,8 @@ pub(crate) enum VoxelsArg {
     Emission,
     /// The direct light that leaves them.
     Light,
+    /// As lit, and pink where triangles have a surface that no view has brought into the volume; with a --voxelizer that takes views.
+    Unseen,
 }
 
 impl From<VoxelsArg> for VoxelChannel {
@@ -173,6 +175,7 @@ impl From<VoxelsArg> for VoxelChannel {
             VoxelsArg::Normal => Self::Normal,
             VoxelsArg::Emission => Self::Emission,
             VoxelsArg::Light => Self::Light,
+            VoxelsArg::Unseen => Self::Unseen,
         }
     }
 }

@@ -24,6 +24,9 @@ impl Renderer {
         if pace.updates() {
             self.voxelize_triangles(&mut timer)?;
         }
+        if let Some(expected) = &mut self.expected {
+            expected.record(&self.gpu, &mut timer)?;
+        }
         self.record_view(&mut timer, pace)?;
         if needs_volume(&self.settings) && pace.updates() {
             self.record_volume(&mut timer)?;

@@ -1,5 +1,6 @@
 //! The frame: what is rendered, in which order, from what into what.
 
+mod expected;
 mod field_objects;
 mod frame;
 mod indirect;
@@ -26,7 +27,8 @@ use crate::lobes::Lobes;
 use crate::shadow::ShadowPass;
 use crate::surface::{self, HDR_FORMAT, RADIANCE_FORMAT, SurfacePass, SurfaceView};
 use crate::triangle_voxelizer::TriangleVoxelizer;
-use crate::voxel_view::VoxelView;
+use crate::voxel_view::{VoxelChannel, VoxelView};
+use expected::Expected;
 use field_objects::FieldObjects;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
@@ -89,6 +91,8 @@ pub struct Renderer {
     voxelizer: ViewVoxelizer,
     /// Where the volume comes from triangles.
     triangles: Option<TriangleVoxelizer>,
+    /// Where what no view has seen is to be shown.
+    expected: Option<Expected>,
     direct_light: DirectLight,
     indirect: Indirect,
     budget: Option<LightBudget>,
@@ -142,6 +146,10 @@ impl Renderer {
             TriangleVoxelizer::new(gpu, scenes, (&gpu_scene, &textures), &volume, gathers)
         });
         let triangles = triangles.transpose()?;
+        let shows_unseen = settings.layer == Layer::Voxels && settings.voxel_channel == VoxelChannel::Unseen;
+        let expected = shows_unseen
+            .then(|| Expected::new(gpu, (scene, &panels), (&gpu_scene, &textures), &volume))
+            .transpose()?;
         let camera = camera_target(gpu, &settings)?;
         let [for_picture, for_volume] = light_samples(&settings, &scene.lights, &sky);
         let injected = InjectedLights::new(gpu, &for_volume, &settings)?;
@@ -171,6 +179,7 @@ impl Renderer {
             volume,
             voxelizer,
             triangles,
+            expected,
             direct_light,
             indirect,
             budget: settings.light_budget.map(LightBudget::new),
@@ -223,6 +232,9 @@ impl Renderer {
         self.places.clone_from(&pose.world_from_local);
         if let Some(triangles) = &mut self.triangles {
             triangles.set_pose(&self.gpu, pose);
+        }
+        if let Some(expected) = &mut self.expected {
+            expected.set_pose(&self.gpu, pose);
         }
         self.set_lights(&pose.lights);
     }

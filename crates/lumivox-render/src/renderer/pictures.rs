@@ -7,6 +7,7 @@ use lumivox::gpu::StageTimer;
 use lumivox::progressive::DirectLight;
 use lumivox_scene::Camera;
 
+use super::expected::Expected;
 use super::indirect::Indirect;
 use super::{FrameStats, Renderer, RendererError, Settings, Shade};
 use crate::composite::Layer;
@@ -36,7 +37,10 @@ impl Renderer {
             })?;
         }
         timer.stage(gpu, "composite", |e| match settings.layer {
-            Layer::Voxels => self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture),
+            Layer::Voxels => {
+                let expected = self.expected.as_ref().map(Expected::volume);
+                self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), expected, picture)
+            }
             Layer::Lobes => match &self.lobes {
                 Some(lobes) => lobes.record(gpu, e, camera, picture),
                 None => Ok(()),
@@ -54,7 +58,7 @@ impl Renderer {
         camera.update(gpu, self.scale);
         let mut timer = StageTimer::new(gpu, None);
         timer.stage(gpu, "debug/voxels", |e| {
-            self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), picture)
+            self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), None, picture)
         })?;
         timer.finish(gpu)?;
         let Settings { voxel_channel, voxel_slice, .. } = self.settings;

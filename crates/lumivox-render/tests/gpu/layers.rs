@@ -3,7 +3,8 @@
 use glam::{UVec2, Vec3, Vec4};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
-use lumivox_render::{Layer, Settings};
+use lumivox_render::voxel_view::{Slice, VoxelChannel};
+use lumivox_render::{Layer, Settings, VoxelSource};
 use lumivox_scene::{Camera, Material, Scene, SkyMap, Texture, Wrap, builtin};
 
 use crate::Check;
@@ -20,6 +21,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a sky with a map stands upright", sky_map),
     ("the depth layer is metres along the view", depth),
     ("normals face the camera", normals),
+    ("what no view has seen is pink", unseen),
 ];
 
 /// In front of a wall in the plane z = 0.
@@ -287,6 +289,38 @@ fn normals(gpu: &Gpu) -> Result<(), Failed> {
             assert!((normal.length() - 1.0).abs() < 2e-3 && normal.dot(ray.direction) < 1e-3, "{normal}");
         }
         assert!(count > 1000, "{}: {count}", camera.name);
+    }
+    Ok(())
+}
+
+fn unseen(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene::default();
+    let green = Vec3::new(0.2, 0.8, 0.2);
+    let at = |z: f32| Quad::upright(Vec3::new(0.0, 0.0, z), 2.0, 2.0);
+    add(&mut scene, Material::matte("seen", green), &[at(0.5)]);
+    add(&mut scene, Material::matte("hidden", green), &[at(-0.5)]);
+    let shares = |voxels: VoxelSource, z: f32| -> Result<[usize; 2], Failed> {
+        let settings = Settings {
+            layer: Layer::Voxels,
+            voxels,
+            voxel_channel: VoxelChannel::Unseen,
+            voxel_slice: Some(Slice { axis: 2, at: z }),
+            ..small()
+        };
+        let shown = picture(gpu, &scene, &front(), settings)?;
+        let count = |is: &dyn Fn(&Vec3) -> bool| shown.iter().filter(|p| is(p)).count();
+        Ok([count(&|p| p.y > 2.0 * p.x), count(&|p| p.x > 2.0 * p.y)])
+    };
+    // Walls are moved a little backwards into their cells, both the same way.
+    for (voxels, z, [least_green, least_pink]) in [
+        (VoxelSource::SingleFrame, 0.49, [300, 0]),
+        (VoxelSource::SingleFrame, -0.51, [0, 300]),
+        (VoxelSource::Triangles, -0.51, [300, 0]),
+    ] {
+        let [green, pink] = shares(voxels, z)?;
+        assert!(green >= least_green && pink >= least_pink, "{voxels:?} at {z}: {green} green, {pink} pink");
+        // The other colour only where a border is seen from the side.
+        assert!(green.min(pink) < 30, "{voxels:?} at {z}: {green} green, {pink} pink");
     }
     Ok(())
 }

@@ -11,14 +11,14 @@ use crate::bench::report::{Report, Row, ms};
 use crate::clock;
 
 /// Frames of a round of turns, or from one update to the next.
-const ROUNDS: [u32; 4] = [1, 2, 4, 8];
+const ROUNDS: [u32; 3] = [1, 4, 8];
 /// Frames after the lights change in which the picture is watched, for each frame of a round.
-const WATCHED: u32 = 6;
+const WATCHED: u32 = 4;
 /// Parts of a whole frame's cost that budgets ask for.
 const BUDGETS: [f64; 3] = [0.5, 0.25, 0.125];
 /// Frames before budgets are judged, and those that they are judged by.
-const SETTLING: usize = 40;
-const JUDGED: usize = 100;
+const SETTLING: usize = 30;
+const JUDGED: usize = 60;
 /// Lights change to this part.
 const DIMMED: f32 = 0.25;
 
@@ -37,8 +37,9 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
     report.head("Light over several frames");
     let usual = |s: &&Stage| !s.scene.lights.is_empty() && (quick || s.case.name == "room");
     let Some(stage) = stages.iter().find(usual) else { return Ok(()) };
-    let settings =
-        Settings { layer: Layer::Indirect, shadow_size: 1024, ..stage.settings(GiMethod::Gather, 32) };
+    // Shadow views small, since they are not what is measured.
+    let settings = stage.settings(GiMethod::Gather, 32);
+    let settings = Settings { layer: Layer::Indirect, shadow_size: 256, rsm_size: 128, ..settings };
     report.say(&format!(
         "{}, 32 cells, {} rays, {} bounces a frame; milliseconds of the stages that ask views, trace rays and bounce. All lights drop \
          to a quarter at once; *late* are the frames until the mean of the indirect picture has gone nine tenths of its way, *step* is \
@@ -47,7 +48,7 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
     ));
     let mut lines = Vec::new();
     let mut whole = f64::INFINITY;
-    for rounds in ROUNDS {
+    for &rounds in if quick { &ROUNDS[..2] } else { &ROUNDS[..] } {
         for nth in [false, true] {
             if nth && rounds == 1 {
                 continue;
@@ -72,7 +73,7 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
         }
     }
     report.table(&["light", "median ms", "most ms", "late", "step"].map(str::to_owned), &lines);
-    budgets(gpu, stage, settings, whole, report)
+    budgets(gpu, stage, settings, (whole, quick), report)
 }
 
 fn row(case: &str, metric: &str, value: f64, unit: &'static str) -> Row {
@@ -85,7 +86,7 @@ fn spread(gpu: &Gpu, stage: &Stage, settings: Settings, rounds: u32, nth: bool) 
         lumivox::gather::GatherSettings { frames: if nth { 1.0 } else { rounds as f32 }, ..settings.gather };
     let light_every = if nth { rounds } else { 1 };
     let mut renderer = renderer(gpu, stage, Settings { gather, light_every, ..settings })?;
-    for _ in 0..12 * rounds {
+    for _ in 0..6 * rounds {
         renderer.frame(None)?;
     }
     let before = mean(&renderer)?;
@@ -103,13 +104,19 @@ fn spread(gpu: &Gpu, stage: &Stage, settings: Settings, rounds: u32, nth: bool) 
     Ok(Spread { middle: costs[costs.len() / 2], most: costs[costs.len() - 1], late, step })
 }
 
-fn budgets(gpu: &Gpu, stage: &Stage, settings: Settings, whole: f64, report: &mut Report) -> Result<()> {
+fn budgets(
+    gpu: &Gpu,
+    stage: &Stage,
+    settings: Settings,
+    (whole, quick): (f64, bool),
+    report: &mut Report,
+) -> Result<()> {
     report.say(&format!(
         "A budget in place of a number of frames: after {SETTLING} frames, the median and the 95th percentile of {JUDGED} frames as parts \
          of the budget."
     ));
     let mut lines = Vec::new();
-    for part in BUDGETS {
+    for &part in if quick { &BUDGETS[..1] } else { &BUDGETS[..] } {
         let budget = part * whole;
         let mut renderer = renderer(gpu, stage, Settings { light_budget: Some(budget), ..settings })?;
         let mut costs = Vec::new();
