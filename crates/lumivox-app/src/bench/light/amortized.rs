@@ -154,7 +154,7 @@ fn mean(renderer: &Renderer) -> Result<f64> {
 }
 
 fn dimmed(light: &Light) -> Light {
-    let mut light = light.clone();
+    let mut light = *light;
     match &mut light {
         Light::Directional { irradiance: power, .. }
         | Light::Point { intensity: power, .. }

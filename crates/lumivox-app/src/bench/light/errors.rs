@@ -9,9 +9,12 @@ use crate::bench::report::{Report, Row, ms};
 use crate::compare::pictures;
 use crate::sheet;
 
+/// The columns of a table of errors.
+pub(super) const HEADER: [&str; 8] = ["scene", "method", "trimmed", "low", "mean", "noise", "steps", "ms"];
+
 /// The sums of one method's errors over the scenes.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+pub(super) struct Sums {
     trimmed: f64,
     low: f64,
     ratio: f64,
@@ -25,7 +28,6 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
         report.say(&format!(
             "{grid} cells along the longest side; milliseconds from the volume to settled light."
         ));
-        let header = ["scene", "method", "trimmed", "low", "mean", "noise", "steps", "ms"].map(str::to_owned);
         let mut lines = Vec::new();
         let mut sums = [Sums::default(); METHODS.len()];
         let mut sheets = Vec::new();
@@ -42,14 +44,9 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
             sheets.push((stage.case.name, sheet::captioned_sheet(&rows)));
         }
         for ((name, _), sums) in METHODS.iter().zip(sums) {
-            let cells = ["**mean of all**".to_owned(), (*name).to_owned()];
-            let numbers = [percent(sums.trimmed / sums.scenes), percent(sums.low / sums.scenes)];
-            let ratio = format!("{:.2}", sums.ratio / sums.scenes);
-            lines.push(
-                cells.into_iter().chain(numbers).chain([ratio]).chain(vec![String::new(); 3]).collect(),
-            );
+            lines.push(sums.line(name));
         }
-        report.table(&header, &lines);
+        report.table(&HEADER.map(str::to_owned), &lines);
         // The finest grid's pictures tell most.
         if n + 1 == grids.len() {
             for (name, picture) in sheets {
@@ -68,7 +65,7 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
 }
 
 impl Sums {
-    fn add(&mut self, found: &Measured) {
+    pub(super) fn add(&mut self, found: &Measured) {
         let c = &found.comparison;
         if let (Some(trimmed), Some(low), Some(ratio)) = (c.trimmed, c.low_frequency, c.mean_ratio) {
             self.trimmed += trimmed;
@@ -77,13 +74,22 @@ impl Sums {
             self.scenes += 1.0;
         }
     }
+
+    /// The means as the last line of a table.
+    pub(super) fn line(&self, method: &str) -> Vec<String> {
+        let numbers = [percent(self.trimmed / self.scenes), percent(self.low / self.scenes)];
+        let ratio = format!("{:.2}", self.ratio / self.scenes);
+        let cells =
+            ["**mean of all**".to_owned(), method.to_owned()].into_iter().chain(numbers).chain([ratio]);
+        cells.chain(vec![String::new(); 3]).collect()
+    }
 }
 
 pub(super) fn percent(share: f64) -> String {
     format!("{:.1} %", 1e2 * share)
 }
 
-fn line(stage: &Stage, method: &str, found: &Measured) -> Vec<String> {
+pub(super) fn line(stage: &Stage, method: &str, found: &Measured) -> Vec<String> {
     let c = &found.comparison;
     let share = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), percent);
     vec![
@@ -98,7 +104,7 @@ fn line(stage: &Stage, method: &str, found: &Measured) -> Vec<String> {
     ]
 }
 
-fn push(report: &mut Report, stage: &Stage, grid: u32, method: &str, found: &Measured) {
+pub(super) fn push(report: &mut Report, stage: &Stage, grid: u32, method: &str, found: &Measured) {
     let c = &found.comparison;
     let values = [
         ("trimmed NRMSE", c.trimmed, "share"),

@@ -5,6 +5,7 @@ mod amortized;
 mod cases;
 mod curves;
 mod errors;
+mod finest;
 mod stage;
 mod table_2;
 
@@ -47,6 +48,9 @@ pub(super) fn run(gpu: &Gpu, quick: bool, report: &mut Report) -> Result<()> {
         stages.push(Stage::new(case, size, seconds)?);
     }
     errors::run(gpu, &stages, quick, report)?;
+    if !quick {
+        finest::run(gpu, &stages, report)?;
+    }
     // Long runs are sometimes cut short.
     report.write()?;
     curves::run(gpu, &stages, quick, report)?;

@@ -1,6 +1,7 @@
 //! One scene with its reference: what every method is measured on.
 
 use anyhow::{Context, Result};
+use lumivox::gather::SurfelCount;
 use lumivox::gpu::Gpu;
 use lumivox_oracle::metrics;
 use lumivox_oracle::tracer::{PixelFilter, Rendering};
@@ -39,6 +40,7 @@ pub(super) struct Measured {
     pub(super) light_ms: f64,
     /// Propagation steps or bounces.
     pub(super) steps: u32,
+    pub(super) surfels: Option<SurfelCount>,
 }
 
 impl Stage {
@@ -87,6 +89,7 @@ impl Stage {
             pair,
             light_ms,
             steps: ours.work.iterations.max(settings.iterations),
+            surfels: ours.renderer.surfels()?,
         })
     }
 
