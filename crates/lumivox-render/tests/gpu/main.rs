@@ -17,6 +17,7 @@ mod masks;
 mod moving;
 mod odd;
 mod progressive;
+mod room;
 mod scenes;
 mod triangles;
 
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         masks::TESTS,
         moving::TESTS,
         progressive::TESTS,
+        room::TESTS,
         triangles::TESTS,
     ];
     let mut trials: Vec<Trial> = tests

@@ -6,6 +6,7 @@ mod cases;
 mod curves;
 mod errors;
 mod finest;
+mod furnace;
 mod stage;
 mod table_2;
 
@@ -41,6 +42,7 @@ pub(super) fn run(gpu: &Gpu, quick: bool, report: &mut Report) -> Result<()> {
          the reference's own, whose square is contained in that of the errors.",
         size.0, size.1,
     ));
+    furnace::run(gpu, report)?;
     let mut stages = Vec::new();
     report.head("Errors");
     for case in cases::cases(quick)? {
