@@ -23,9 +23,13 @@ impl Picture {
     pub(crate) fn srgb(&self, layer: Layer, exposure_ev: f32) -> RgbImage {
         let farthest = self.pixels.iter().map(|p| p.x).fold(1e-6, f32::max);
         let bytes = self.pixels.iter().flat_map(|p| match layer {
-            Layer::Final | Layer::Direct | Layer::Indirect | Layer::Voxels | Layer::Lobes | Layer::Glossy => {
-                tone::tone_mapped(*p, exposure_ev)
-            }
+            Layer::Final
+            | Layer::Direct
+            | Layer::Indirect
+            | Layer::Voxels
+            | Layer::Lobes
+            | Layer::Glossy
+            | Layer::Reflections => tone::tone_mapped(*p, exposure_ev),
             Layer::Albedo | Layer::Normal | Layer::Leaks | Layer::Occlusion => tone::srgb_bytes(*p),
             Layer::Depth => [(255.0 * (1.0 - p.x / farthest).clamp(0.0, 1.0)) as u8; 3],
         });

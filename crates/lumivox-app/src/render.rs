@@ -7,12 +7,11 @@ use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lumivox::gather::Quality;
 use lumivox::light::LightSettings;
-use lumivox::visibility::{OcclusionSettings, ShadowSettings};
-use lumivox_render::{GiMethod, Layer, ObjectFields, Renderer, Settings, VoxelSource, tone};
+use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Scene};
 
-use crate::args::{ByArg, ExposureArg, ObjectArgs, RenderArgs, ShotArgs, Size};
-use crate::field::casters;
+use crate::args::{ExposureArg, RenderArgs, ShotArgs, Size};
+use crate::field::lookups;
 use crate::motion::Motion;
 use crate::output::{self, Format, Picture};
 use crate::stats::{self, AdapterStats, RenderStats, StageStats};
@@ -64,7 +63,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let (_, camera) = motion.pose(&mut scene, args.shot.time);
     lighting::light_scene(&mut scene, &args.shot, &camera);
 
-    let fields = object_fields(&args.objects, &scene).with_context(|| args.shot.scene.clone())?;
+    let fields = lookups::object_fields(&args.objects, &scene).with_context(|| args.shot.scene.clone())?;
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let is_still = args.frames.is_none();
     let settings = Settings {
@@ -76,7 +75,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         voxel_slice: args.slice.map(|slice| slice.0),
         ..settings(&args.shot, &scene, args.size, args.layer.into(), is_still)
     };
-    let settings = with_objects(settings, &args.objects, is_still);
+    let settings = lookups::with_objects(settings, &args.objects, is_still);
     let mut renderer =
         Renderer::with_fields(&gpu, &scene, settings, &fields).with_context(|| args.shot.scene.clone())?;
     let mut work = Work::default();
@@ -125,6 +124,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             grid: grid.dims.to_array(),
             cell_size_m: grid.cell_size,
             surfels: surfels.map(|s| s.used),
+            field_objects: fields.casters.len(),
+            field_spheres: fields.fields.len(),
             frames: work.frames,
             iterations: work.iterations,
             settled: work.settled,
@@ -147,34 +148,6 @@ pub(crate) struct Work {
     pub(crate) settled: bool,
     pub(crate) exposure_ev: Option<f32>,
     pub(crate) stages: Vec<StageStats>,
-}
-
-/// The fields that pictures look things up in; none where nobody asks.
-fn object_fields(args: &ObjectArgs, scene: &Scene) -> Result<ObjectFields> {
-    if ![args.ao, args.shadows].contains(&ByArg::Field) {
-        return Ok(ObjectFields::default());
-    }
-    if !(0.0..=1e6).contains(&args.light_radius) {
-        bail!("--light-radius must be 0 to 1e6 metres");
-    }
-    if args.ao == ByArg::Field && scene.sky == glam::Vec3::ZERO && scene.sky_map.is_none() {
-        tracing::warn!("there is no sky: --ao field has no light to take from");
-    }
-    let (points, directions) = (args.field_points, args.field_directions);
-    let settings = lumivox_field::Settings { points, directions, ..Default::default() };
-    settings.check()?;
-    casters::fields(scene, &args.casters, settings)
-}
-
-fn with_objects(settings: Settings, args: &ObjectArgs, still: bool) -> Settings {
-    let rays = args.field_rays.unwrap_or(if still { 64 } else { 16 });
-    let [ao, shadows] = [args.ao, args.shadows].map(|by| by == ByArg::Field);
-    Settings {
-        occlusion: ao.then(|| OcclusionSettings { rays, blended: true, ..OcclusionSettings::default() }),
-        soft_shadows: shadows.then(|| ShadowSettings { rays, blended: true, ..ShadowSettings::default() }),
-        light_radius: args.light_radius,
-        ..settings
-    }
 }
 
 /// Refuses numbers that no scene can be rendered with.

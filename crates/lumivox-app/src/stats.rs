@@ -44,6 +44,9 @@ pub(crate) struct RenderStats {
     pub(crate) cell_size_m: f32,
     /// Surfels of gathered light.
     pub(crate) surfels: Option<u32>,
+    /// Objects with visibility fields, and the spheres of all their meshes.
+    pub(crate) field_objects: usize,
+    pub(crate) field_spheres: usize,
     pub(crate) frames: u32,
     pub(crate) iterations: u32,
     pub(crate) settled: bool,

@@ -1,4 +1,5 @@
-//! The picture: direct light + albedo / pi * indirect irradiance + emission, or one layer of it alone.
+//! The picture: direct light + albedo / pi * indirect irradiance + emission, under a coat of polish if there is one, or one layer of it
+//! alone.
 
 use glam::Vec3;
 use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, TextureOptions, Uniform};
@@ -42,6 +43,30 @@ pub enum Layer {
     Leaks,
     /// What objects with visibility fields let through of the light from all around, 0 to 1.
     Occlusion,
+    /// What surfaces mirror, if all are polished: objects with visibility fields, and the rest around them.
+    Reflections,
+}
+
+/// How surfaces mirror.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror {
+    /// The part of light that is mirrored head on.
+    pub reflectance: f32,
+    /// Roughness of the polish.
+    pub roughness: f32,
+    /// Whether the sky stands around the objects, whatever else there is; else what was gathered.
+    pub sky: bool,
+}
+
+/// What a picture may have besides.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extras<'t> {
+    /// What objects let through, for each pixel.
+    pub occlusion: Option<&'t Texture>,
+    /// What is mirrored of objects.
+    pub reflection: Option<&'t Texture>,
+    /// What is mirrored of gathered light.
+    pub mirrored: Option<&'t Texture>,
 }
 
 lumivox::gpu_struct! {
@@ -51,6 +76,14 @@ lumivox::gpu_struct! {
         pub sky: Vec3,
         /// A [`Layer`] by number.
         pub layer: u32,
+        /// The part of light that is mirrored head on.
+        pub reflectance: f32,
+        /// Roughness of the polish.
+        pub roughness: f32,
+        /// Whether the sky is mirrored where no object is.
+        pub mirrors_sky: u32,
+        /// Whether anything is mirrored.
+        pub mirrors: u32,
     }
 }
 
@@ -63,6 +96,8 @@ pub struct CompositePass {
     sky_map: Texture,
     /// Stands where there is no occlusion.
     all: Texture,
+    /// Stands where nothing is mirrored.
+    none: Texture,
 }
 
 impl CompositePass {
@@ -71,18 +106,19 @@ impl CompositePass {
     /// # Errors
     /// Those of the device.
     pub fn new(gpu: &Gpu, sky: &Sky) -> Result<Self, GpuError> {
-        let nothing = CompositeUniform { sky: Vec3::ZERO, layer: 0 };
+        let nothing: CompositeUniform = bytemuck::Zeroable::zeroed();
         Ok(Self {
             pass: FullscreenPass::new(gpu, &SHADER, HDR_FORMAT, false),
             uniform: Uniform::new(gpu, "render/composite", &nothing),
             sky: sky.constant,
             sky_map: sky_texture(gpu, sky)?,
             all: all_light(gpu)?,
+            none: Texture::target(gpu, "composite/none", [1, 1], HDR_FORMAT)?,
         })
     }
 
     /// Chooses the layer, from the next submission on.
-    pub fn update(&self, gpu: &Gpu, layer: Layer) {
+    pub fn update(&self, gpu: &Gpu, layer: Layer, mirror: Option<Mirror>) {
         let number = match layer {
             Layer::Final | Layer::Voxels | Layer::Lobes => 0,
             Layer::Direct => 1,
@@ -93,8 +129,17 @@ impl CompositePass {
             Layer::Leaks => 6,
             Layer::Glossy => 7,
             Layer::Occlusion => 8,
+            Layer::Reflections => 9,
         };
-        self.uniform.write(gpu, &CompositeUniform { sky: self.sky, layer: number });
+        let uniform = CompositeUniform {
+            sky: self.sky,
+            layer: number,
+            reflectance: mirror.map_or(0.0, |m| m.reflectance.clamp(0.0, 1.0)),
+            roughness: mirror.map_or(1.0, |m| m.roughness.clamp(0.0, 1.0)),
+            mirrors_sky: u32::from(mirror.is_some_and(|m| m.sky)),
+            mirrors: u32::from(mirror.is_some()),
+        };
+        self.uniform.write(gpu, &uniform);
     }
 
     /// Makes the picture.
@@ -104,7 +149,7 @@ impl CompositePass {
         encoder: &mut wgpu::CommandEncoder,
         camera: &SurfaceView,
         irradiance: &Texture,
-        occlusion: Option<&Texture>,
+        extras: Extras<'_>,
         picture: &mut Texture,
     ) -> Result<(), GpuError> {
         let gbuffer = &camera.input.textures;
@@ -118,7 +163,9 @@ impl CompositePass {
             .read("radiance", &gbuffer.radiance)
             .read("sky_map", &self.sky_map)
             .read("irradiance", irradiance)
-            .read("occlusion", occlusion.unwrap_or(&self.all));
+            .read("occlusion", extras.occlusion.unwrap_or(&self.all))
+            .read("reflection", extras.reflection.unwrap_or(&self.none))
+            .read("mirrored", extras.mirrored.unwrap_or(&self.none));
         self.pass.record(gpu, encoder, &bindings, picture, false)
     }
 }

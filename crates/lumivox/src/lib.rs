@@ -119,5 +119,8 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<visibility::OcclusionUniform>(),
         entry::<visibility::QueryUniform>(),
         entry::<visibility::ShadowUniform>(),
+        entry::<visibility::ReflectionUniform>(),
+        entry::<visibility::HitLampUniform>(),
+        entry::<visibility::HitLightUniform>(),
     ]
 }

@@ -134,6 +134,8 @@ pub(crate) enum LayerArg {
     Leaks,
     /// What objects with visibility fields let through of the sky's light; with --ao field.
     Occlusion,
+    /// What surfaces mirror, with --reflections field.
+    Reflections,
 }
 
 impl From<LayerArg> for Layer {
@@ -150,6 +152,7 @@ impl From<LayerArg> for Layer {
             LayerArg::Leaks => Self::Leaks,
             LayerArg::Glossy => Self::Glossy,
             LayerArg::Occlusion => Self::Occlusion,
+            LayerArg::Reflections => Self::Reflections,
         }
     }
 }

@@ -141,7 +141,18 @@ pub(crate) struct ObjectArgs {
     /// Meshes that have visibility fields, by the beginnings of their names. What moves rigidly, unless said otherwise.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub(crate) casters: Vec<String>,
-    /// Rays per pixel into visibility fields, for occlusion and for each light. Stills take 64, series 16 unless said otherwise.
+    /// A coat of polish on all surfaces, which mirrors objects by their visibility fields, and around them the sky, or with --gi gather
+    /// the light that is gathered.
+    #[arg(long, value_enum, default_value = "none")]
+    pub(crate) reflections: ReflectionsArg,
+    /// Roughness of the polish, 0 for a mirror to 1.
+    #[arg(long, value_name = "0..1", default_value_t = 0.15)]
+    pub(crate) polish: f32,
+    /// The part of light that the polish mirrors head on, 0 to 1; more at grazing angles.
+    #[arg(long, value_name = "0..1", default_value_t = 0.1)]
+    pub(crate) reflectance: f32,
+    /// Rays per pixel into visibility fields, for occlusion, for each light and, 64 at most, for reflections. Stills take 64, series 16
+    /// unless said otherwise.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) field_rays: Option<u32>,
     /// Sample points of each field: 82, 290, 1090, 4226 or 16642.
@@ -153,6 +164,14 @@ pub(crate) struct ObjectArgs {
     /// Radius of point and spot lights in soft shadows, metres.
     #[arg(long, value_name = "METRES", default_value_t = 0.1)]
     pub(crate) light_radius: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReflectionsArg {
+    /// Surfaces are matt.
+    None,
+    /// Visibility fields.
+    Field,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

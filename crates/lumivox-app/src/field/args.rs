@@ -28,6 +28,10 @@ pub(crate) struct FieldArgs {
     /// Keep the surface normal of each direction too, for reflections: two bytes more.
     #[arg(long)]
     normals: bool,
+    /// The most spheres of the object. One that is elongated or branches leaves most of a single sphere empty; it is cut into as many
+    /// pieces as are worth a sphere and a field each, and FILE.lvf becomes FILE.1.lvf, FILE.2.lvf and so on.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) spheres: u32,
     /// Draw some of the maps: from above, below and four sides, near is bright.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) maps: Option<PathBuf>,

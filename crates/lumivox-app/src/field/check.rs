@@ -56,17 +56,31 @@ pub(crate) fn traced(baker: &Baker, rays: &[Ray]) -> (Vec<Option<f32>>, f64) {
     })
 }
 
-/// The errors of the nearest map, and of three.
-pub(crate) fn errors(field: &Field, rays: &[Ray], exact: &[Option<f32>]) -> [Errors; 2] {
-    let nearest = timed(rays, |rays, answers| field.nearest_many(rays, answers));
-    let blended = timed(rays, |rays, answers| {
-        answers.iter_mut().zip(rays).for_each(|(answer, ray)| *answer = field.blend(ray).hit());
+/// The errors of the nearest map, and of three, of an object with one field or several, whose nearest hit counts. Distances are held
+/// against `diameter`.
+pub(crate) fn errors(fields: &[Field], diameter: f32, rays: &[Ray], exact: &[Option<f32>]) -> [Errors; 2] {
+    let nearer = |a: Option<f32>, b: Option<f32>| match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    };
+    let nearest = timed(rays, |rays, answers| {
+        let Some((first, others)) = fields.split_first() else { return };
+        first.nearest_many(rays, answers);
+        let mut other = vec![None; if others.is_empty() { 0 } else { rays.len() }];
+        for field in others {
+            field.nearest_many(rays, &mut other);
+            answers.iter_mut().zip(&other).for_each(|(a, b)| *a = nearer(*a, *b));
+        }
     });
-    let diameter = f64::from(2.0 * field.sphere().radius);
+    let blended = timed(rays, |rays, answers| {
+        answers.iter_mut().zip(rays).for_each(|(answer, ray)| {
+            *answer = fields.iter().fold(None, |found, field| nearer(found, field.blend(ray).hit()));
+        });
+    });
     [nearest, blended].map(|(found, million_per_second)| {
         let pairs = || found.iter().zip(exact);
         let wrong = pairs().filter(|(a, b)| a.is_some() != b.is_some()).count();
-        let apart = pairs().filter_map(|(a, b)| Some(f64::from((*a)? - (*b)?) / diameter));
+        let apart = pairs().filter_map(|(a, b)| Some(f64::from((*a)? - (*b)?) / f64::from(diameter)));
         let (sum, count) = apart.fold((0.0, 0u32), |(sum, count), d| (sum + d * d, count + 1));
         Errors {
             lines: rays.len() as u32,

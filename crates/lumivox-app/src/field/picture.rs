@@ -11,8 +11,19 @@ const GAP: u32 = 8;
 const NOTHING: Rgb<u8> = Rgb([24, 34, 70]);
 const GROUND: Rgb<u8> = Rgb([255, 255, 255]);
 
+/// The maps of some fields, one sheet below the other.
+pub(crate) fn sheets(fields: &[Field]) -> RgbImage {
+    let all: Vec<_> = fields.iter().map(sheet).collect();
+    let (width, height) = all.first().map_or((1, 1), RgbImage::dimensions);
+    let mut together = RgbImage::new(width, height * all.len().max(1) as u32);
+    for (n, sheet) in all.iter().enumerate() {
+        image::imageops::replace(&mut together, sheet, 0, i64::from(height) * n as i64);
+    }
+    together
+}
+
 /// Six maps: of the sample points nearest to +x, +y, +z in the upper row and -x, -y, -z in the lower.
-pub(crate) fn sheet(field: &Field) -> RgbImage {
+fn sheet(field: &Field) -> RgbImage {
     let mut sheet = RgbImage::from_pixel(3 * SIDE + 4 * GAP, 2 * SIDE + 3 * GAP, GROUND);
     for (n, axis) in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z].into_iter().enumerate() {
         let point = field.points().nearest(axis);

@@ -30,6 +30,7 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
         ("builtin:falling:0 --ao field --casters knot,cow", vec!["\"cow\"", "goblet"]),
         ("builtin:falling:0 --ao field --field-points 3", vec!["'3'", "4226"]),
         ("builtin:falling:0 --shadows field --light-radius 1e9", vec!["--light-radius"]),
+        ("builtin:falling:0 --reflections field --polish 1.5", vec!["--polish", "0 to 1"]),
     ] {
         folder.line(&format!("render {arguments} -o x.png")).failed_with(&words);
     }
@@ -63,6 +64,28 @@ pub(crate) fn baked() -> Result<(), Failed> {
     Ok(())
 }
 
+/// A stick of 8 x 0.2 x 0.2.
+const STICK: &str = "OFF\n8 6 0\n0 0 0\n8 0 0\n8 .2 0\n0 .2 0\n0 0 .2\n8 0 .2\n8 .2 .2\n0 .2 .2\n\
+                     4 0 3 2 1\n4 0 1 5 4\n4 0 4 7 3\n4 1 2 6 5\n4 3 7 6 2\n4 4 5 6 7\n";
+
+pub(crate) fn several_spheres() -> Result<(), Failed> {
+    let folder = Folder::new();
+    folder.write("s.off", STICK);
+    let bake = "field s.off --points 82 --directions 32 --check 20000";
+    folder.line(&format!("{bake} -o s.lvf --maps s.png --stats many.json")).succeeded();
+    folder.line(&format!("{bake} --spheres 1 --stats one.json")).succeeded();
+    let [many, one] = [read_json(&folder.join("many.json"))?, read_json(&folder.join("one.json"))?];
+    let spheres = |stats: &serde_json::Value| stats["spheres"].as_array().map_or(0, Vec::len);
+    assert_eq!((spheres(&many), spheres(&one)), (8, 1));
+    let files = folder.files();
+    assert!((1..=8).all(|n| files.contains(&format!("s.{n}.lvf"))) && !files.contains(&"s.lvf".to_owned()));
+    assert!(many["room"].as_f64().is_some_and(|room| room < 0.05), "{}", many["room"]);
+    let wrong = |stats: &serde_json::Value| stats["nearest"]["wrong"].as_f64().unwrap_or(-1.0);
+    assert!(wrong(&many) > 0.0 && 2.0 * wrong(&many) < wrong(&one), "{} {}", wrong(&many), wrong(&one));
+    assert_eq!(image::open(folder.join("s.png"))?.to_rgb8().dimensions(), (800, 8 * 536));
+    Ok(())
+}
+
 pub(crate) fn pictures() -> Result<(), Failed> {
     let folder = Folder::new();
     let common = "render builtin:falling:0 --gi off --size 64x36 --light-samples 4 --field-points 82 --field-directions 32 \
@@ -76,6 +99,12 @@ pub(crate) fn pictures() -> Result<(), Failed> {
     let ao = image::open(folder.join("ao.png"))?.to_rgb8();
     let shades: std::collections::BTreeSet<u8> = ao.pixels().map(|p| p.0[0]).collect();
     assert!(shades.len() > 20, "{shades:?}");
+    folder
+        .line(&format!("{common} --reflections field --polish 0 --layer reflections -o mirror.png"))
+        .succeeded();
+    let mirror = image::open(folder.join("mirror.png"))?.to_rgb8();
+    let red = mirror.pixels().filter(|p| u32::from(p.0[0]) > 2 * u32::from(p.0[2])).count();
+    assert!(red > 20, "{red} pixels mirror the red body");
     folder.line(&format!("{common} --ao field --frames 2 -o s_%04d.png")).succeeded();
     assert!(folder.files().contains(&"s_0001.png".to_owned()));
     Ok(())

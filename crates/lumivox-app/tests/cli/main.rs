@@ -46,6 +46,7 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("help and version succeed", arguments::help),
     ("field names what is wrong", field::wrong_arguments),
     ("field bakes, draws, checks and reads", field::baked),
+    ("field cuts what is elongated into several spheres", field::several_spheres),
     ("voxelize names what is wrong before it begins", voxelize::wrong_arguments),
     ("voxelize writes the same cells in every format", voxelize::formats),
     ("voxelize takes any grid, and tells what it did", voxelize::grids),

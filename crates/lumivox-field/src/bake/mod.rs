@@ -24,7 +24,7 @@ use crate::field::maps::{Maps, octahedral};
 use crate::lookup::Ray;
 use crate::points::SpherePoints;
 use crate::{Field, FieldError, Settings};
-use geometry::Geometry;
+use geometry::{Geometry, Hit};
 
 /// Maps that are baked, reported and written together.
 pub const MAPS_PER_CHUNK: u32 = 64;
@@ -101,13 +101,26 @@ impl Baker {
     /// The true distance to the mesh along a ray, in lengths of its direction, by the same tree that bakes. Nothing
     /// is met behind the origin.
     pub fn trace(&self, ray: &Ray) -> Option<f32> {
+        self.hit(ray).map(|(hit, _, length)| hit.distance / length)
+    }
+
+    /// The same with the unit normal that is met, in the object's space, on the ray's side.
+    pub fn trace_with_normal(&self, ray: &Ray) -> Option<(f32, Vec3)> {
+        let (hit, direction, length) = self.hit(ray)?;
+        Some((hit.distance / length, self.geometry.normal(&hit, direction)))
+    }
+
+    /// What a ray meets, its unit direction, and the length that this had where the bounding sphere is the unit sphere.
+    #[inline]
+    fn hit(&self, ray: &Ray) -> Option<(Hit, Vec3, f32)> {
         let unit = ray.in_unit_sphere(self.sphere);
         let length = unit.direction.length();
         let direction = unit.direction / length;
         if !(unit.origin.is_finite() && direction.is_finite()) {
             return None;
         }
-        self.geometry.nearest(unit.origin, direction, f32::MAX).map(|hit| hit.distance / length)
+        let hit = self.geometry.nearest(unit.origin, direction, f32::MAX)?;
+        Some((hit, direction, length))
     }
 
     /// Bakes the field in memory. `observe` is called after each run of maps and may stop the bake.

@@ -132,18 +132,37 @@ impl Field {
     /// `bias` ahead, its distance is returned. It is the far side of what is met, so that is as far as the nearest part can
     /// be. `bias` is in metres of the object's space.
     pub fn ahead(&self, ray: &Ray, bias: f32, interpolation: Interpolation) -> Option<f32> {
-        let entry = self.entry(ray)?;
-        let Way { entry: start, exit, length } = entry.way;
-        let rest = self.rest_from(entry.point, entry.direction, interpolation);
+        self.found_ahead(ray, bias, interpolation).map(|(distance, ..)| distance)
+    }
+
+    /// The same with the normal that is kept there, a unit vector of the object's space on the ray's side; `None` without normals
+    /// too.
+    pub fn ahead_with_normal(
+        &self,
+        ray: &Ray,
+        bias: f32,
+        interpolation: Interpolation,
+    ) -> Option<(f32, Vec3)> {
+        let (distance, point, direction) = self.found_ahead(ray, bias, interpolation)?;
+        let at = self.at(self.points.nearest(point), direction);
+        let normal = from_octahedral(*self.maps.normals.get(at.texel)?);
+        Some((distance, if normal.dot(ray.direction) > 0.0 { -normal } else { normal }))
+    }
+
+    /// A distance ahead, and the point of the unit sphere and the way inwards by which it was found.
+    fn found_ahead(&self, ray: &Ray, bias: f32, interpolation: Interpolation) -> Option<(f32, Vec3, Vec3)> {
+        let Entry { direction, point, exit: last, way } = self.entry(ray)?;
+        let Way { entry: start, exit, length } = way;
+        let rest = self.rest_from(point, direction, interpolation);
         if rest == f32::INFINITY {
             return None;
         }
         let (forward, bias) = (start + rest, bias / self.sphere.radius);
         if start >= 0.0 || forward > bias {
-            return Some(forward / length);
+            return Some((forward / length, point, direction));
         }
-        let backward = exit - self.rest_from(entry.exit, -entry.direction, interpolation);
-        (backward > bias).then_some(backward / length)
+        let backward = exit - self.rest_from(last, -direction, interpolation);
+        (backward > bias).then_some((backward / length, last, -direction))
     }
 
     /// Distance from a point of the unit sphere inwards in units of the radius; infinite where nothing is met.

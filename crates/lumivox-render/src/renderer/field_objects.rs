@@ -1,16 +1,21 @@
-//! Rigid objects with visibility fields: where they stand, and what they take of the light at each pixel.
+//! Rigid objects with visibility fields: where they stand, what they take of the light at each pixel, and what polished surfaces
+//! mirror of them.
 //!
 //! Light that is looked up in fields needs no shadow map of these objects: they are left out of the maps of such lights, and
 //! what comes through the maps of the rest is multiplied by what the objects let through.
 
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use lumivox::core::PackedField;
 use lumivox::gpu::{Gpu, GpuError, StageTimer, Texture};
 use lumivox::progressive::ViewInput;
-use lumivox::visibility::{Fields, Objects, Occlusion, Placement, Receiver, ShadowLight, SoftShadows};
+use lumivox::visibility::{
+    Fields, Objects, Occlusion, Placement, Receiver, Reflections, ShadowLight, SoftShadows,
+};
 use lumivox_scene::{Light, Scene};
 
 use super::Settings;
+use super::hit_light::{hit_light, mean_albedo};
+use crate::lights::Sky;
 
 /// Half of the angle that the sun is seen under, radians.
 const SUN_ANGLE: f32 = 0.00465;
@@ -54,7 +59,12 @@ pub(super) struct FieldObjects {
     casters: Vec<Caster>,
     occlusion: Option<Occlusion>,
     shadows: Option<SoftShadows>,
+    reflections: Option<Reflections>,
     light_radius: f32,
+    /// Of each caster.
+    albedos: Vec<Vec3>,
+    /// Mean radiance.
+    sky: Vec3,
 }
 
 impl FieldObjects {
@@ -66,21 +76,30 @@ impl FieldObjects {
         given: &ObjectFields,
     ) -> Result<Option<Self>, GpuError> {
         let (count, size) = (scene.lights.len(), settings.size);
-        if given.casters.is_empty() || (settings.occlusion.is_none() && settings.soft_shadows.is_none()) {
+        let Settings { occlusion, soft_shadows, polish, .. } = *settings;
+        if given.casters.is_empty() || (occlusion.is_none() && soft_shadows.is_none() && polish.is_none()) {
             return Ok(None);
         }
         let parts: usize = given.casters.iter().map(|c| c.fields.len()).sum();
         let fields = Fields::new(gpu, &given.fields.iter().collect::<Vec<_>>())?;
         let objects = Objects::new(gpu, u32::try_from(parts).unwrap_or(u32::MAX), BIAS)?;
-        let occlusion = settings.occlusion.map(|s| Occlusion::new(gpu, size, &objects, s)).transpose()?;
-        let shadows = settings.soft_shadows.map(|s| SoftShadows::new(gpu, size, &objects, count, s));
+        let occlusion = occlusion.map(|s| Occlusion::new(gpu, size, &objects, s)).transpose()?;
+        let shadows = soft_shadows.map(|s| SoftShadows::new(gpu, size, &objects, count, s));
+        let reflections = polish.map(|p| Reflections::new(gpu, size, &objects, p.reflections));
+        let albedo = |caster: &Caster| {
+            let mesh = scene.instances.get(caster.instance).and_then(|i| scene.meshes.get(i.mesh));
+            mesh.map_or(Vec3::ONE, |mesh| mean_albedo(scene, mesh))
+        };
         Ok(Some(Self {
             fields,
             objects,
             casters: given.casters.clone(),
             occlusion,
             shadows: shadows.transpose()?,
+            reflections: reflections.transpose()?,
             light_radius: settings.light_radius,
+            albedos: given.casters.iter().map(albedo).collect(),
+            sky: Sky::of(scene).mean(),
         }))
     }
 
@@ -101,9 +120,10 @@ impl FieldObjects {
     /// Writes where everything stands. Once a frame.
     pub(super) fn update(&mut self, gpu: &Gpu, places: &[Mat4], lights: &[Light]) -> Result<(), GpuError> {
         let mut all = Vec::new();
-        for (n, caster) in self.casters.iter().enumerate() {
+        for ((n, caster), &albedo) in self.casters.iter().enumerate().zip(&self.albedos) {
             let Some(&place) = places.get(caster.instance) else { continue };
-            all.extend(caster.fields.iter().map(|&field| Placement::new(field, place, n as u32)));
+            let part = |&field: &usize| Placement { albedo, ..Placement::new(field, place, n as u32) };
+            all.extend(caster.fields.iter().map(part));
         }
         self.objects.update(gpu, &self.fields, &all)?;
         if let Some(occlusion) = &self.occlusion {
@@ -113,17 +133,20 @@ impl FieldObjects {
             let lights: Vec<_> = lights.iter().map(|l| shadow_light(l, self.light_radius)).collect();
             shadows.update(gpu, &self.objects, &lights);
         }
+        if let Some(reflections) = &self.reflections {
+            reflections.update(gpu, &self.objects, &hit_light(lights, self.sky));
+        }
         Ok(())
     }
 
-    /// Finds what objects take of the light at each pixel.
+    /// Finds what objects take of the light at each pixel, and what it mirrors of them.
     pub(super) fn record(
         &mut self,
         gpu: &Gpu,
         timer: &mut StageTimer,
         camera: &ViewInput,
     ) -> Result<(), GpuError> {
-        let Self { fields, objects, occlusion, shadows, .. } = self;
+        let Self { fields, objects, occlusion, shadows, reflections, .. } = self;
         let receiver = Receiver::from(camera);
         if let Some(occlusion) = occlusion {
             timer.stage(gpu, "visibility/occlusion", |e| {
@@ -132,6 +155,11 @@ impl FieldObjects {
         }
         if let Some(shadows) = shadows {
             timer.stage(gpu, "visibility/shadow", |e| shadows.record(gpu, e, fields, objects, &receiver))?;
+        }
+        if let Some(reflections) = reflections {
+            timer.stage(gpu, "visibility/reflection", |e| {
+                reflections.record(gpu, e, fields, objects, &receiver, None)
+            })?;
         }
         Ok(())
     }
@@ -143,6 +171,11 @@ impl FieldObjects {
             Shade::Occlusion => self.occlusion.as_ref().map(Occlusion::factor),
             Shade::Light(light) => self.shadows.as_ref().and_then(|s| s.factor(light)),
         }
+    }
+
+    /// What each pixel mirrors of the objects, if surfaces are polished.
+    pub(super) fn reflection(&self) -> Option<&Texture> {
+        self.reflections.as_ref().map(Reflections::color)
     }
 }
 

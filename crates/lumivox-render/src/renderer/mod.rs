@@ -3,6 +3,7 @@
 mod expected;
 mod field_objects;
 mod frame;
+mod hit_light;
 mod indirect;
 mod injected_lights;
 mod pictures;
@@ -19,7 +20,7 @@ use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive};
 use lumivox::voxelize::VoxelizeError;
 use lumivox_scene::{Camera, Light, Pose, Scene};
 
-use crate::composite::{CompositePass, Layer};
+use crate::composite::{CompositePass, Layer, Mirror};
 use crate::direct::DirectPass;
 use crate::gpu_scene::GpuScene;
 use crate::lights::{self, LightSample, Sky};
@@ -36,7 +37,7 @@ use view_voxelizer::ViewVoxelizer;
 
 pub(crate) use field_objects::Shade;
 pub use field_objects::{Caster, ObjectFields};
-pub use settings::{GiMethod, Settings, VoxelSource};
+pub use settings::{GiMethod, Polish, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
 
 /// Why a scene cannot be rendered.
@@ -101,6 +102,8 @@ pub struct Renderer {
     /// Frames since then.
     frames: u32,
     irradiance: Texture,
+    /// What polished surfaces mirror of gathered light.
+    mirrored: Option<Texture>,
     spare_radiance: Texture,
     picture: Texture,
 }
@@ -114,8 +117,8 @@ impl Renderer {
         Self::with_fields(gpu, scene, settings, &ObjectFields::default())
     }
 
-    /// The same with visibility fields of some of the scene's objects, for [`Settings::occlusion`] and
-    /// [`Settings::soft_shadows`].
+    /// The same with visibility fields of some of the scene's objects, for [`Settings::occlusion`], [`Settings::soft_shadows`] and
+    /// [`Settings::polish`].
     ///
     /// # Errors
     /// As [`Self::new`], and fields that do not fit the device.
@@ -155,7 +158,9 @@ impl Renderer {
         let injected = InjectedLights::new(gpu, &for_volume, &settings)?;
         let emission = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
         let composite_pass = CompositePass::new(gpu, &sky)?;
-        composite_pass.update(gpu, settings.layer);
+        composite_pass.update(gpu, settings.layer, mirror(&settings));
+        let target = |name: &str| Texture::target(gpu, name, settings.size.to_array(), HDR_FORMAT);
+        let mirrors = settings.polish.is_some() && settings.gi == GiMethod::Gather;
         let mut renderer = Self {
             gpu: gpu.clone(),
             settings,
@@ -185,14 +190,15 @@ impl Renderer {
             budget: settings.light_budget.map(LightBudget::new),
             fresh: true,
             frames: 0,
-            irradiance: Texture::target(gpu, "render/irradiance", settings.size.to_array(), HDR_FORMAT)?,
+            irradiance: target("render/irradiance")?,
+            mirrored: mirrors.then(|| target("render/mirrored")).transpose()?,
             spare_radiance: Texture::target(
                 gpu,
                 "camera/radiance",
                 settings.size.to_array(),
                 RADIANCE_FORMAT,
             )?,
-            picture: Texture::target(gpu, "render/picture", settings.size.to_array(), HDR_FORMAT)?,
+            picture: target("render/picture")?,
         };
         renderer.voxel_view.show(gpu, renderer.volume.grid(), settings.voxel_channel, settings.voxel_slice);
         let mut timer = StageTimer::new(gpu, None);
@@ -249,7 +255,7 @@ impl Renderer {
     /// Chooses what the picture shows, from the next frame on.
     pub fn set_layer(&mut self, layer: Layer) {
         self.settings.layer = layer;
-        self.composite_pass.update(&self.gpu, layer);
+        self.composite_pass.update(&self.gpu, layer, mirror(&self.settings));
     }
 
     /// Whether views bring the volume surfaces and light, or the triangles have filled it and nobody asks for its light, or
@@ -260,6 +266,13 @@ impl Renderer {
         let shown = self.settings.layer == Layer::Voxels;
         fills || shown || matches!(self.indirect, Indirect::Propagated(_))
     }
+}
+
+/// How surfaces mirror in the composition.
+fn mirror(settings: &Settings) -> Option<Mirror> {
+    let sky = settings.gi != GiMethod::Gather;
+    let of = |p: Polish| Mirror { reflectance: p.reflectance, roughness: p.reflections.roughness, sky };
+    settings.polish.map(of)
 }
 
 fn needs_volume(settings: &Settings) -> bool {

@@ -8,16 +8,20 @@ use lumivox::progressive::DirectLight;
 use lumivox_scene::Camera;
 
 use super::expected::Expected;
+use super::field_objects::FieldObjects;
 use super::indirect::Indirect;
 use super::{FrameStats, Renderer, RendererError, Settings, Shade};
-use crate::composite::Layer;
+use crate::composite::{Extras, Layer};
 use crate::lobes::Lobes;
+
+/// Gathered light is mirrored no sharper than this.
+const GLOSSY_LEAST: f32 = 0.3;
 
 impl Renderer {
     /// Light to picture.
     pub(super) fn compose(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
-        let Self { gpu, settings, camera, volume, indirect, irradiance, picture, .. } = self;
-        let occlusion = self.objects.as_ref().and_then(|o| o.factor(Shade::Occlusion));
+        let Self { gpu, settings, camera, volume, indirect, irradiance, mirrored, picture, .. } = self;
+        let objects = self.objects.as_ref();
         let mut timer = StageTimer::new(gpu, clock);
         timer.stage(gpu, "light/reconstruction", |e| match settings.layer {
             Layer::Leaks => indirect.record_leaks(gpu, e, volume, &camera.input, irradiance),
@@ -27,6 +31,17 @@ impl Renderer {
             }
             _ => indirect.record_reconstruction(gpu, e, volume, &camera.input, irradiance),
         })?;
+        if let (Some(mirrored), Some(polish)) = (mirrored.as_mut(), settings.polish) {
+            let roughness = polish.reflections.roughness.max(GLOSSY_LEAST);
+            timer.stage(gpu, "light/glossy", |e| {
+                indirect.record_glossy(gpu, e, volume, &camera.input, mirrored, roughness)
+            })?;
+        }
+        let extras = Extras {
+            occlusion: objects.and_then(|o| o.factor(Shade::Occlusion)),
+            reflection: objects.and_then(FieldObjects::reflection),
+            mirrored: mirrored.as_ref(),
+        };
         if settings.layer == Layer::Lobes {
             let lobes = match &mut self.lobes {
                 Some(lobes) => lobes,
@@ -45,7 +60,7 @@ impl Renderer {
                 Some(lobes) => lobes.record(gpu, e, camera, picture),
                 None => Ok(()),
             },
-            _ => self.composite_pass.record(gpu, e, camera, irradiance, occlusion, picture),
+            _ => self.composite_pass.record(gpu, e, camera, irradiance, extras, picture),
         })?;
         Ok(FrameStats { stages: timer.finish(gpu)? })
     }

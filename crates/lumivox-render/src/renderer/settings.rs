@@ -4,7 +4,7 @@ use glam::UVec2;
 use lumivox::gather::{GatherSettings, Quality};
 use lumivox::light::{LightSettings, Reflection};
 use lumivox::lpv::Blocking;
-use lumivox::visibility::{OcclusionSettings, ShadowSettings};
+use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
 
 use crate::composite::Layer;
 use crate::voxel_view::{Slice, VoxelChannel};
@@ -33,6 +33,16 @@ pub enum GiMethod {
     Propagation,
     /// Rays through the volume.
     Gather,
+}
+
+/// A coat of polish on every surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polish {
+    /// How rough it is, and what reflections are made of.
+    pub reflections: ReflectionSettings,
+    /// The part of light that it mirrors head on, 0 to 1; the rest goes to the surface below. By Schlick's formula more at grazing
+    /// angles.
+    pub reflectance: f32,
 }
 
 /// What is rendered, and how well.
@@ -92,6 +102,8 @@ pub struct Settings {
     pub soft_shadows: Option<ShadowSettings>,
     /// Radius of point and spot lights in such shadows, metres.
     pub light_radius: f32,
+    /// Whether all surfaces are polished: what they mirror of objects with visibility fields is looked up in these.
+    pub polish: Option<Polish>,
     /// What the picture shows.
     pub layer: Layer,
     /// Roughness of the surfaces in [`Layer::Glossy`], 0.3 to 1: less is a sharper mirror.
@@ -151,6 +163,7 @@ impl Default for Settings {
             occlusion: None,
             soft_shadows: None,
             light_radius: 0.1,
+            polish: None,
             layer: Layer::Final,
             roughness: 0.4,
             voxel_channel: VoxelChannel::Lit,

@@ -7,10 +7,10 @@ use glam::{UVec2, Vec3};
 use libtest_mimic::Failed;
 use lumivox::core::TriangleView;
 use lumivox::gpu::Gpu;
-use lumivox::visibility::{OcclusionSettings, ShadowSettings};
+use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
 use lumivox_field::{Baker, Mesh};
-use lumivox_render::{Caster, GiMethod, Layer, ObjectFields, Renderer, RendererError, Settings};
-use lumivox_scene::{Scene, builtin};
+use lumivox_render::{Caster, GiMethod, Layer, ObjectFields, Polish, Renderer, RendererError, Settings};
+use lumivox_scene::{Camera, Scene, builtin};
 
 use crate::Check;
 
@@ -18,6 +18,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("fields take of the sky what its shadow maps take", sky),
     ("fields throw the shadows that shadow maps throw", shadows),
     ("objects with fields move", moving),
+    ("a polished floor mirrors what a camera below it sees", mirroring),
 ];
 
 fn scene() -> Scene {
@@ -137,5 +138,50 @@ fn moving(gpu: &Gpu) -> Result<(), Failed> {
     let [_, far] = apart(&anew, &after, 0.2);
     assert!(far < 0.01, "{far} of pixels differ from those of objects that always stood there");
     assert!(apart(&before, &after, 0.3)[1] > 0.05);
+    Ok(())
+}
+
+fn mirroring(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = Scene { lights: Vec::new(), sky: Vec3::ONE, ..scene() };
+    scene.cameras[0].target = Vec3::new(0.1, -1.2, 2.0);
+    let reflections =
+        ReflectionSettings { roughness: 0.0, blended: true, denoise: false, ..ReflectionSettings::default() };
+    let polish = Some(Polish { reflections, reflectance: 1.0 });
+    let base = Settings { area_samples: 4, ..settings() };
+    let mirror = picture(gpu, &scene, Settings { polish, layer: Layer::Reflections, ..base })?;
+    let final_mirror = picture(gpu, &scene, Settings { polish, layer: Layer::Final, ..base })?;
+    let floor = picture(gpu, &scene, Settings { layer: Layer::Albedo, ..base })?;
+    // From under the floor, without it.
+    let mut below = scene.clone();
+    below.instances.retain(|i| below.meshes[i.mesh].name != "floor");
+    let flipped = |v: Vec3| Vec3::new(v.x, -v.y, v.z);
+    let camera = scene.cameras[0].clone();
+    below.cameras[0] = Camera { eye: flipped(camera.eye), target: flipped(camera.target), ..camera };
+    let mut renderer = Renderer::new(gpu, &below, Settings { layer: Layer::Albedo, ..base })?;
+    renderer.set_camera(&below.cameras[0]);
+    renderer.frame(None)?;
+    let bodies = renderer.read_picture()?;
+    let paint = scene.materials[0].base_color.truncate();
+    let (width, height) = (160, 90);
+    let (mut on_floor, mut met, mut wrong) = (0, 0, 0);
+    for n in 0..width * height {
+        if floor[n].distance(paint) > 0.01 {
+            continue;
+        }
+        on_floor += 1;
+        assert!((mirror[n] - final_mirror[n]).abs().max_element() < 2e-3 * (1.0 + mirror[n].max_element()));
+        let body = bodies[n % width + width * (height - 1 - n / width)];
+        if body == Vec3::ZERO {
+            wrong += i32::from(mirror[n].distance(Vec3::ONE) > 0.01);
+            continue;
+        }
+        met += 1;
+        // Sky from above and less from below: the colour is the body's, up to a factor.
+        let factor = mirror[n].dot(body) / body.length_squared();
+        let alike = mirror[n].distance(factor * body) < 0.02;
+        wrong += i32::from(!alike || !(0.35..=1.05).contains(&factor));
+    }
+    eprintln!("{on_floor} pixels of the floor, {met} mirror a body, {wrong} differ");
+    assert!(met > 500 && 8 * wrong < met, "{met} {wrong}");
     Ok(())
 }

@@ -24,7 +24,7 @@ impl Denoise {
         receiver: &Receiver<'_>,
         tiles: &Tiles,
         noisy: &Texture,
-        target: &mut Texture,
+        target: (&mut Texture, wgpu::Color),
     ) -> Result<(), GpuError> {
         let bindings = Bindings::new()
             .read("view", receiver.uniform)

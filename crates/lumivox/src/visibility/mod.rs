@@ -10,11 +10,12 @@
 //! | [`Objects`] | where the objects of a frame stand; any number share a field |
 //! | [`Occlusion`] | ambient visibility at each pixel of a G-buffer |
 //! | [`SoftShadows`] | the share of each light of finite size that a pixel sees |
+//! | [`Reflections`] | what polished pixels mirror of the objects |
 //! | [`RayQuery`] | any rays against all objects |
 //!
 //! **Order.** Once: [`Fields::new`], [`Objects::new`], [`Occlusion::new`]. In each frame: [`Objects::update`],
 //! [`Occlusion::update`], then [`Occlusion::record`] after the G-buffer. The host multiplies its ambient light by
-//! [`Occlusion::factor`], and each light by its [`SoftShadows::factor`].
+//! [`Occlusion::factor`], each light by its [`SoftShadows::factor`], and what its surface reflects by [`Reflections::color`].
 //!
 //! **Look-ups** are those of `Field::ahead` in `lumivox-field`, for rays from outside an object's sphere and from within, on the
 //! object itself too (Figure 31).
@@ -27,9 +28,11 @@
 
 mod denoise;
 mod fields;
+mod hit_light;
 mod objects;
 mod occlusion;
 mod query;
+mod reflection;
 mod shadow;
 mod tiled_pass;
 mod tiles;
@@ -37,9 +40,11 @@ mod tiles;
 use glam::UVec2;
 
 pub use fields::{FieldUniform, Fields};
+pub use hit_light::{HitLamp, HitLampUniform, HitLight, HitLightUniform, MAX_LAMPS};
 pub use objects::{MAX_OBJECTS, ObjectUniform, Objects, Placement};
 pub use occlusion::{Combine, Occlusion, OcclusionSettings, OcclusionUniform};
 pub use query::{HIT_BYTES, QueryHit, QueryRay, QueryUniform, RAY_BYTES, RayQuery};
+pub use reflection::{REFLECTION_FORMAT, ReflectionSettings, ReflectionUniform, Reflections};
 pub use shadow::{ShadowLight, ShadowSettings, ShadowUniform, SoftShadows};
 pub use tiles::TileUniform;
 
@@ -55,6 +60,12 @@ const FIELD: &str = include_str!("field.wgsl");
 const NORMAL: &str = include_str!("normal.wgsl");
 /// Directions for pixels.
 const SAMPLING: &str = include_str!("sampling.wgsl");
+/// What culling has in common; a part that says what counts comes after it.
+const CULL: &str = include_str!("cull.wgsl");
+/// The lobe of a polished surface; after [`SAMPLING`].
+const LOBE: &str = include_str!("lobe.wgsl");
+/// The light of hits; after [`FIELD`].
+const HIT_LIGHT: &str = include_str!("hit_light.wgsl");
 /// Tiles of a picture.
 const TILE: &str = include_str!("tile.wgsl");
 /// Listed tiles as quads; after [`TILE`].
@@ -98,5 +109,13 @@ impl Receiver<'_> {
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![tiles::SHADER, occlusion::SHADER, shadow::SHADER, denoise::SHADER, query::SHADER]
+    vec![
+        tiles::SHADER,
+        occlusion::SHADER,
+        shadow::SHADER,
+        reflection::CULL_SHADER,
+        reflection::SHADER,
+        denoise::SHADER,
+        query::SHADER,
+    ]
 }

@@ -5,7 +5,7 @@ use glam::UVec2;
 
 use super::denoise::Denoise;
 use super::tiled_pass::TiledPass;
-use super::tiles::{Cull, Round, Tiles};
+use super::tiles::{self, Cull, Round, Tiles};
 use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD, blending};
 use crate::gpu::{Gpu, GpuError, Shader, Texture, Uniform};
 use crate::wgsl::VIEW;
@@ -125,7 +125,7 @@ impl Occlusion {
         };
         let target = |name: &str| Texture::target(gpu, name, size.to_array(), FACTOR_FORMAT);
         Ok(Self {
-            cull: Cull::new(gpu),
+            cull: Cull::new(gpu, &tiles::SHADER),
             pass: TiledPass::new(gpu, &SHADER, FACTOR_FORMAT, &blending(settings.blended)),
             denoise: Denoise::new(gpu, FACTOR_FORMAT),
             tiles: Tiles::new(gpu, size, objects.capacity)?,
@@ -157,7 +157,7 @@ impl Occlusion {
     ) -> Result<(), GpuError> {
         receiver.check(self.tiles.size())?;
         let Self { cull, pass, denoise, tiles, uniform, settings, noisy, factor } = self;
-        cull.record(gpu, encoder, receiver, objects, tiles)?;
+        cull.record(gpu, encoder, receiver, objects, None, tiles)?;
         let bindings = fields
             .bind(objects)
             .read("view", receiver.uniform)
@@ -168,9 +168,9 @@ impl Occlusion {
             .read("tile_list", &tiles.list)
             .read("tile_masks", &tiles.masks);
         let first = if settings.denoise { &mut *noisy } else { &mut *factor };
-        pass.record(gpu, encoder, &bindings, tiles, first)?;
+        pass.record(gpu, encoder, &bindings, tiles, (first, wgpu::Color::WHITE))?;
         if settings.denoise {
-            denoise.record(gpu, encoder, receiver, tiles, noisy, factor)?;
+            denoise.record(gpu, encoder, receiver, tiles, noisy, (factor, wgpu::Color::WHITE))?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use glam::{UVec2, Vec3};
 
 use super::denoise::Denoise;
 use super::tiled_pass::TiledPass;
-use super::tiles::{Cull, Round, Tiles};
+use super::tiles::{self, Cull, Round, Tiles};
 use super::{FACTOR_FORMAT, FIELD, Fields, OBJECT, Objects, Receiver, SAMPLING, TILE, TILE_QUAD, blending};
 use crate::gpu::{Gpu, GpuError, Shader, Texture, Uniform};
 use crate::wgsl::VIEW;
@@ -126,7 +126,7 @@ impl SoftShadows {
             })
         };
         Ok(Self {
-            cull: Cull::new(gpu),
+            cull: Cull::new(gpu, &tiles::SHADER),
             pass: TiledPass::new(gpu, &SHADER, FACTOR_FORMAT, &blending(settings.blended)),
             denoise: Denoise::new(gpu, FACTOR_FORMAT),
             lights: (0..lights).map(light).collect::<Result<_, GpuError>>()?,
@@ -183,7 +183,7 @@ impl SoftShadows {
         let Self { cull, pass, denoise, lights, settings, noisy } = self;
         for LightTarget { tiles, uniform, factor } in lights {
             receiver.check(tiles.size())?;
-            cull.record(gpu, encoder, receiver, objects, tiles)?;
+            cull.record(gpu, encoder, receiver, objects, None, tiles)?;
             let bindings = fields
                 .bind(objects)
                 .read("view", receiver.uniform)
@@ -194,9 +194,9 @@ impl SoftShadows {
                 .read("tile_list", &tiles.list)
                 .read("tile_masks", &tiles.masks);
             let first = if settings.denoise { &mut *noisy } else { &mut *factor };
-            pass.record(gpu, encoder, &bindings, tiles, first)?;
+            pass.record(gpu, encoder, &bindings, tiles, (first, wgpu::Color::WHITE))?;
             if settings.denoise {
-                denoise.record(gpu, encoder, receiver, tiles, noisy, factor)?;
+                denoise.record(gpu, encoder, receiver, tiles, noisy, (factor, wgpu::Color::WHITE))?;
             }
         }
         Ok(())

@@ -45,14 +45,14 @@ impl TiledPass {
         Self { name: shader.name, pipeline, program }
     }
 
-    /// Clears the target to one, which is what pixels of other tiles keep, and draws the tiles that have objects.
+    /// Clears the target to what pixels of other tiles keep, and draws the tiles that have objects.
     pub(super) fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         bindings: &Bindings<'_>,
         tiles: &Tiles,
-        target: &mut Texture,
+        (target, rest): (&mut Texture, wgpu::Color),
     ) -> Result<(), GpuError> {
         gpu.check()?;
         let bind_group = self.program.bind(gpu, 0, bindings)?;
@@ -62,10 +62,7 @@ impl TiledPass {
                 view: &target.view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(rest), store: wgpu::StoreOp::Store },
             })],
             ..Default::default()
         });

@@ -6,12 +6,13 @@
 
 use glam::{UVec2, Vec3};
 
-use super::{OBJECT, Objects, Receiver, TILE};
-use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform, read_buffer};
+use super::{CULL, OBJECT, Objects, Receiver, TILE};
+use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
 use crate::wgsl::VIEW;
 
+/// What occlusion and shadows cull by.
 pub(super) const SHADER: Shader =
-    Shader { name: "visibility/cull", parts: &[VIEW, OBJECT, TILE, include_str!("cull.wgsl")] };
+    Shader { name: "visibility/cull", parts: &[VIEW, OBJECT, TILE, CULL, include_str!("cull_round.wgsl")] };
 
 /// Side of a tile in texels.
 pub(super) const TILE_SIDE: u32 = 8;
@@ -57,6 +58,8 @@ pub(super) enum Round {
     Light { middle: Vec3, radius: f32 },
     /// On the way to a light far away, whose half angle has this tangent.
     Sun { way: Vec3, slope: f32 },
+    /// In what the surface mirrors.
+    Mirrored,
 }
 
 /// The tiles of pictures of one size, and the objects in each.
@@ -111,6 +114,7 @@ impl Tiles {
             Round::Surface { reach: metres, radii } => (reach, reach_in_radii) = (metres.min(1e30), radii),
             Round::Light { middle, radius } => (light, light_radius, kind) = (middle, radius, 1),
             Round::Sun { way, slope } => (light, light_radius, kind) = (way, slope, 2),
+            Round::Mirrored => {}
         }
         let uniform = TileUniform {
             tiles: self.counts(),
@@ -135,23 +139,25 @@ impl Tiles {
 pub(super) struct Cull(ComputePass);
 
 impl Cull {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+    pub(super) fn new(gpu: &Gpu, shader: &Shader) -> Self {
+        Self(ComputePass::new(gpu, shader, &[]))
     }
 
+    /// `roughness` is for the shader that culls what is mirrored.
     pub(super) fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         receiver: &Receiver<'_>,
         objects: &Objects,
+        roughness: Option<&Texture>,
         tiles: &mut Tiles,
     ) -> Result<(), GpuError> {
         encoder.clear_buffer(&tiles.draw.raw, 0, None);
         let count = tiles.counts();
         // A picture of 8192 x 8192 texels has 16,384 groups of tiles; a dispatch can have four times as many in a row.
         let groups = (count.x * count.y).div_ceil(64);
-        let bindings = Bindings::new()
+        let mut bindings = Bindings::new()
             .read("view", receiver.uniform)
             .read("tiles", &tiles.uniform)
             .read("depth", receiver.depth)
@@ -159,6 +165,9 @@ impl Cull {
             .write("tile_masks", &mut tiles.masks)
             .write("tile_list", &mut tiles.list)
             .write("draw", &mut tiles.draw);
+        if let Some(roughness) = roughness {
+            bindings = bindings.read("normal", receiver.normal).read("roughness", roughness);
+        }
         self.0.record(gpu, encoder, &bindings, [groups, 1, 1])
     }
 }

@@ -1,10 +1,17 @@
-//! `lumivox bench visibility`: Table 1 and Figures 33 to 44 and 48 of the dissertation's chapter 4, and what look-ups cost beside true
-//! rays.
+//! `lumivox bench visibility`: Table 1 and Figures 33 to 48 of the dissertation's chapter 4, and what look-ups cost beside true rays.
 
 mod corner;
+mod culling;
+mod elongated;
 mod floor;
+mod lobe;
 mod models;
+mod occlusion;
 mod rates;
+mod reflections;
+mod shadows;
+mod traced;
+mod tracer;
 
 use anyhow::{Context, Result};
 
@@ -26,7 +33,10 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     corner::table(&models, quick, report)?;
     rates::rates(timer, &models, quick, report)?;
     rates::triangles(timer, quick, report)?;
-    floor::occlusion(timer, first, quick, report)?;
-    floor::shadows(timer, first, quick, report)?;
-    floor::elongated(timer, quick, report)
+    occlusion::occlusion(timer, first, quick, report)?;
+    culling::culling(timer, first, quick, report)?;
+    shadows::shadows(timer, first, quick, report)?;
+    reflections::reflections(timer, &models, quick, report)?;
+    traced::traced(&models, quick, report)?;
+    elongated::elongated(timer, quick, report)
 }

@@ -1,0 +1,56 @@
+//! What pictures look up in fields: `--ao`, `--shadows` and `--reflections`.
+
+use anyhow::{Result, bail};
+use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
+use lumivox_render::{ObjectFields, Polish, Settings};
+use lumivox_scene::Scene;
+
+use super::casters;
+use crate::args::{ByArg, ObjectArgs, ReflectionsArg};
+
+/// Smoother than this a surface is a mirror.
+const MIRROR: f32 = 0.05;
+
+/// The fields that pictures look things up in; none where nobody asks.
+pub(crate) fn object_fields(args: &ObjectArgs, scene: &Scene) -> Result<ObjectFields> {
+    let normals = args.reflections == ReflectionsArg::Field;
+    if ![args.ao, args.shadows].contains(&ByArg::Field) && !normals {
+        return Ok(ObjectFields::default());
+    }
+    if !(0.0..=1.0).contains(&args.polish) || !(0.0..=1.0).contains(&args.reflectance) {
+        bail!("--polish and --reflectance must be 0 to 1");
+    }
+    if !(0.0..=1e6).contains(&args.light_radius) {
+        bail!("--light-radius must be 0 to 1e6 metres");
+    }
+    if args.ao == ByArg::Field && scene.sky == glam::Vec3::ZERO && scene.sky_map.is_none() {
+        tracing::warn!("there is no sky: --ao field has no light to take from");
+    }
+    let (points, directions) = (args.field_points, args.field_directions);
+    let settings = lumivox_field::Settings { points, directions, normals, ..Default::default() };
+    settings.check()?;
+    casters::fields(scene, &args.casters, settings)
+}
+
+/// The settings with what is looked up in fields.
+pub(crate) fn with_objects(settings: Settings, args: &ObjectArgs, still: bool) -> Settings {
+    let rays = args.field_rays.unwrap_or(if still { 64 } else { 16 });
+    let [ao, shadows] = [args.ao, args.shadows].map(|by| by == ByArg::Field);
+    let polish = Polish {
+        reflections: ReflectionSettings {
+            rays,
+            roughness: args.polish,
+            blended: true,
+            // A mirror stays sharp.
+            denoise: args.polish >= MIRROR,
+        },
+        reflectance: args.reflectance,
+    };
+    Settings {
+        occlusion: ao.then(|| OcclusionSettings { rays, blended: true, ..OcclusionSettings::default() }),
+        soft_shadows: shadows.then(|| ShadowSettings { rays, blended: true, ..ShadowSettings::default() }),
+        light_radius: args.light_radius,
+        polish: (args.reflections == ReflectionsArg::Field).then_some(polish),
+        ..settings
+    }
+}
