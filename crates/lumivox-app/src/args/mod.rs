@@ -134,7 +134,7 @@ pub(crate) struct ShotArgs {
 pub(crate) struct ObjectArgs {
     /// How objects take light of the sky: as in shadow maps, or by their visibility fields.
     #[arg(long, value_enum, default_value = "maps")]
-    pub(crate) ao: ByArg,
+    pub(crate) ao: AoArg,
     /// How objects throw shadows in the light of lamps: as in shadow maps, or softly by their visibility fields.
     #[arg(long, value_enum, default_value = "maps")]
     pub(crate) shadows: ByArg,
@@ -172,6 +172,16 @@ pub(crate) enum ReflectionsArg {
     None,
     /// Visibility fields.
     Field,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AoArg {
+    /// Shadow maps.
+    Maps,
+    /// Visibility fields: the nearest hit of each ray over all objects.
+    Field,
+    /// Visibility fields, each object subtracted by itself as the papers do: too dark where they stand behind each other.
+    Subtract,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

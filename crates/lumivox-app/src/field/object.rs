@@ -37,6 +37,21 @@ impl Object {
         Self { positions, normals, indices }
     }
 
+    /// The same as a mesh of a scene.
+    pub(crate) fn scene_mesh(&self, name: &str, material: usize) -> lumivox_scene::Mesh {
+        let Self { positions, normals, indices } = self.clone();
+        let count = positions.len();
+        lumivox_scene::Mesh {
+            name: name.to_owned(),
+            positions,
+            normals,
+            uvs: vec![[0.0; 2]; count],
+            colors: vec![[1.0; 4]; count],
+            indices,
+            material,
+        }
+    }
+
     /// Number of triangles.
     pub(crate) fn triangles(&self) -> usize {
         self.indices.len()

@@ -1,5 +1,6 @@
 //! `lumivox bench visibility`: Table 1 and Figures 33 to 48 of the dissertation's chapter 4, and what look-ups cost beside true rays.
 
+mod atrium;
 mod corner;
 mod culling;
 mod elongated;
@@ -34,6 +35,7 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     rates::rates(timer, &models, quick, report)?;
     rates::triangles(timer, quick, report)?;
     occlusion::occlusion(timer, first, quick, report)?;
+    atrium::atrium(timer, quick, report)?;
     culling::culling(timer, first, quick, report)?;
     shadows::shadows(timer, first, quick, report)?;
     reflections::reflections(timer, &models, quick, report)?;
