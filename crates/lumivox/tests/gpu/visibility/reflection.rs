@@ -73,7 +73,7 @@ impl<'f> Scene<'f> {
             else {
                 continue;
             };
-            let normal = (place.inverse().transpose() * normal.extend(0.0)).truncate().normalize();
+            let normal = (place.inverse().transpose() * normal.extend(0.0)).truncate().normalize_or(Vec3::Y);
             let facing = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
             if distance < nearest.0 {
                 let color = *albedo * light.below.lerp(light.above, 0.5 + 0.5 * facing.y);
@@ -98,7 +98,7 @@ fn floor(gpu: &Gpu) -> Result<Shot, GpuError> {
 }
 
 /// Three objects, one of them turned, stretched and behind another.
-fn three<'f>(ring: &'f Field) -> [(&'f Field, Mat4, Vec3); 3] {
+fn three(ring: &Field) -> [(&Field, Mat4, Vec3); 3] {
     let turned = Mat4::from_rotation_z(0.9) * Mat4::from_translation(Vec3::new(-3.0, 1.0, -0.5));
     [
         (ball(), Mat4::from_translation(Vec3::new(-1.6, 1.3, -0.5)), Vec3::new(0.9, 0.2, 0.1)),
@@ -123,7 +123,7 @@ fn gradient() -> HitLight {
 /// The way that the eye looks at each point.
 fn ways(shot: &Shot, points: &[DVec3]) -> Vec<Vec3> {
     let eye = shot.view.eye().as_dvec3();
-    points.iter().map(|p| (*p - eye).normalize().as_vec3()).collect()
+    points.iter().map(|p| (*p - eye).normalize_or(DVec3::NEG_Y).as_vec3()).collect()
 }
 
 fn apart(a: &[f32; 4], b: &[f32; 4]) -> f32 {
