@@ -187,6 +187,7 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         size: UVec2::new(size.0, size.1),
         grid: shot.grid.unwrap_or(preset.grid),
         voxels: source,
+        cleanup: shot.cleanup.into(),
         gi: shot.gi.into(),
         // A still starts with none, to learn how much light there is to settle.
         iterations: if still { 0 } else { shot.iterations },

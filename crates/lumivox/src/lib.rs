@@ -70,9 +70,9 @@ pub fn shaders() -> Vec<gpu::Shader> {
     .concat()
 }
 
-/// The texts that [`voxelize`] makes of some sets of channels, for validation and for reading.
+/// The texts that [`voxelize`] and [`progressive::ProgressiveVoxelizer`] make of some sets of channels, for validation and for reading.
 pub fn generated_texts() -> Vec<gpu::GeneratedText> {
-    voxelize::texts()
+    [voxelize::texts(), progressive::texts()].concat()
 }
 
 /// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
@@ -105,6 +105,7 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<wgsl::GridUniform>(),
         entry::<wgsl::ViewUniform>(),
         entry::<light::PropagationUniform>(),
+        entry::<progressive::BrickUniform>(),
         entry::<voxelize::MeshUniform>(),
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),

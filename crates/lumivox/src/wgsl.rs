@@ -76,6 +76,14 @@ crate::gpu_struct! {
         pub unit_steps: f32,
         /// Fixed-point steps per unit of one light's summed radiance.
         pub light_steps: f32,
+        /// In which order points are taken: [`InjectionPattern`](crate::progressive::InjectionPattern) as a number.
+        pub pattern: u32,
+        /// Over how many frames they are split.
+        pub split: u32,
+        /// The number of this frame among these.
+        pub phase: u32,
+        /// Nothing.
+        pub spare: u32,
     }
 }
 
@@ -97,6 +105,10 @@ impl ViewUniform {
             radiance_max,
             unit_steps: steps(scale.attribute_points),
             light_steps: steps(scale.light_points) / radiance_max,
+            pattern: 0,
+            split: 1,
+            phase: 0,
+            spare: 0,
         }
     }
 }

@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use lumivox::gather::Quality;
 use lumivox::light::Reflection;
 use lumivox::lpv::Blocking;
+use lumivox::progressive::CleanupRule;
 use lumivox_render::voxel_view::VoxelChannel;
 use lumivox_render::{GiMethod, Layer, VoxelSource};
 
@@ -26,6 +27,23 @@ impl From<VoxelizerArg> for VoxelSource {
             VoxelizerArg::Progressive => Self::Progressive,
             VoxelizerArg::SinglePass => Self::SinglePass,
             VoxelizerArg::SingleFrame => Self::SingleFrame,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum CleanupArg {
+    /// What stands behind its centre lies farther: the papers'. Loses good cells at silhouettes.
+    Center,
+    /// What stands behind all of it lies farther.
+    Footprint,
+}
+
+impl From<CleanupArg> for CleanupRule {
+    fn from(arg: CleanupArg) -> Self {
+        match arg {
+            CleanupArg::Center => Self::Center,
+            CleanupArg::Footprint => Self::Footprint,
         }
     }
 }

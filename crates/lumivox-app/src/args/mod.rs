@@ -7,7 +7,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-pub(crate) use choices::{BlockingArg, GiArg, LayerArg, MirrorArg, QualityArg, VoxelizerArg, VoxelsArg};
+pub(crate) use choices::{
+    BlockingArg, CleanupArg, GiArg, LayerArg, MirrorArg, QualityArg, VoxelizerArg, VoxelsArg,
+};
 pub(crate) use values::{CameraArg, ClipArg, ExposureArg, Size, SliceArg, SunArg, triple};
 
 /// Lights scenes with voxel volumes: progressive voxelization and indirect light on any GPU.
@@ -102,6 +104,9 @@ pub(crate) struct ShotArgs {
     /// Where voxels come from. Stills take triangles unless said otherwise, series progressive.
     #[arg(long, value_enum)]
     pub(crate) voxelizer: Option<VoxelizerArg>,
+    /// When a view proves a voxel empty, with --voxelizer progressive.
+    #[arg(long, value_enum, default_value = "footprint")]
+    pub(crate) cleanup: CleanupArg,
     /// Indirect light.
     #[arg(long, value_enum, default_value = "gather")]
     pub(crate) gi: GiArg,

@@ -134,7 +134,7 @@ impl Renderer {
         }
         let grid = Grid::fit_with_margin(&bounds, settings.grid)?;
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
-        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels)?;
+        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels, settings.cleanup)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
         let sky = Sky::of(scene);
         let indirect = Indirect::new(gpu, &volume, &settings, &sky)?;

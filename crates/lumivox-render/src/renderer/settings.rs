@@ -4,6 +4,7 @@ use glam::UVec2;
 use lumivox::gather::{GatherSettings, Quality};
 use lumivox::light::{LightSettings, Reflection};
 use lumivox::lpv::Blocking;
+use lumivox::progressive::CleanupRule;
 use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
 
 use crate::composite::Layer;
@@ -57,6 +58,8 @@ pub struct Settings {
     pub grid: u32,
     /// Where the volume comes from.
     pub voxels: VoxelSource,
+    /// When a view proves a cell empty, with [`VoxelSource::Progressive`].
+    pub cleanup: CleanupRule,
     /// How indirect light is found.
     pub gi: GiMethod,
     /// Propagation steps in every frame, of propagation and of light propagation volumes.
@@ -144,6 +147,7 @@ impl Default for Settings {
             clip: None,
             grid: 64,
             voxels: VoxelSource::Progressive,
+            cleanup: CleanupRule::default(),
             gi: GiMethod::Gather,
             iterations: 64,
             gather: GatherSettings::default(),

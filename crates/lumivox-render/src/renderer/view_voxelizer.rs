@@ -2,7 +2,7 @@
 
 use lumivox::VolumeBuffer;
 use lumivox::gpu::{Gpu, GpuError};
-use lumivox::progressive::{DirectLight, Progressive, SinglePass, ViewInput};
+use lumivox::progressive::{CleanupRule, DirectLight, Progressive, SinglePass, ViewInput};
 use lumivox::wgpu::CommandEncoder;
 
 use super::VoxelSource;
@@ -24,10 +24,15 @@ pub(super) struct Target<'a> {
 }
 
 impl ViewVoxelizer {
-    pub(super) fn new(gpu: &Gpu, volume: &VolumeBuffer, source: VoxelSource) -> Result<Self, GpuError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        volume: &VolumeBuffer,
+        source: VoxelSource,
+        rule: CleanupRule,
+    ) -> Result<Self, GpuError> {
         Ok(match source {
             VoxelSource::SinglePass => Self::SinglePass(Box::new(SinglePass::new(gpu, volume)?)),
-            _ => Self::TwoPhase { progressive: Box::new(Progressive::new(gpu, volume)?), source },
+            _ => Self::TwoPhase { progressive: Box::new(Progressive::with_rule(gpu, volume, rule)?), source },
         })
     }
 

@@ -1,6 +1,6 @@
 //! Compute and full-screen passes. A pass is made once, holds its pipeline, and is recorded any number of times.
 
-use super::{Bindings, Buffer, Gpu, GpuError, Program, Shader, Texture};
+use super::{Bindings, Buffer, GeneratedText, Gpu, GpuError, Program, Shader, Texture};
 
 /// A compute pass: one entry point, `main`.
 #[derive(Debug)]
@@ -13,17 +13,30 @@ pub struct ComputePass {
 impl ComputePass {
     /// Compiles the pass. `constants` are the shader's `override` declarations: numbers that Rust defines once.
     pub fn new(gpu: &Gpu, shader: &Shader, constants: &[(&str, f64)]) -> Self {
-        let module = shader_module(gpu, shader);
+        Self::of_text(gpu, &GeneratedText { name: shader.name, source: shader.source() }, constants)
+    }
+
+    /// The same of a text that was put together at run time.
+    pub(crate) fn of_text(gpu: &Gpu, text: &GeneratedText, constants: &[(&str, f64)]) -> Self {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(text.name),
+            source: wgpu::ShaderSource::Wgsl(text.source.as_str().into()),
+        });
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(shader.name),
+            label: Some(text.name),
             layout: None,
             module: &module,
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,
         });
-        let program = Program::new(shader, |group| pipeline.get_bind_group_layout(group));
-        Self { name: shader.name, pipeline, program }
+        let program = Program::of_text(text, |group| pipeline.get_bind_group_layout(group));
+        Self { name: text.name, pipeline, program }
+    }
+
+    /// The shader's name.
+    pub fn name(&self) -> &'static str {
+        self.name
     }
 
     /// Records one dispatch of `groups` workgroups.

@@ -136,6 +136,11 @@ impl Program {
         Self::with_bindings(shader.name, shader.bindings(), layout)
     }
 
+    /// As [`Self::new`], of a text made at run time.
+    pub(crate) fn of_text(text: &GeneratedText, layout: impl Fn(u32) -> wgpu::BindGroupLayout) -> Self {
+        Self::with_bindings(text.name, text.bindings(), layout)
+    }
+
     /// The program of a text made at run time. Groups without bindings have an empty layout.
     pub fn generated(gpu: &Gpu, text: &GeneratedText) -> Result<Self, GpuError> {
         let layouts = bind_group_layouts(gpu, text)?;

@@ -1,46 +1,86 @@
-//! Cleanup (6.2.1, Listing 6.1; dissertation 7.4.1): what a depth image proves empty is cleared.
+//! Cleanup (6.2.1, Listing 6.1; dissertation 7.4.1): what a depth image proves empty is cleared, by one of two rules.
 //!
-//! The cell's centre is projected into the view. With `p` its distance along the view direction and `z` the distance of
-//! what the depth image shows at that texel, the cell is cleared when `p < z - b`. The bias `b` is half the cell's extent
-//! along the view's depth axis, `cell / 2 * (|dx| + |dy| + |dz|)` for the view direction `d`: 0.5 to 0.87 cell, the
-//! "radius clamped by the voxel boundaries" of the text. The printed listing takes the distance between two opposite
-//! corners moved by a radius instead, up to 3 cells, and leaves that much stale.
+//! **`center`**, the papers': the cell's centre is projected into the view. With `p` its distance along the view direction and
+//! `z` the distance of what the depth image shows at that texel, the cell is cleared when `p < z - b`. The bias `b` is half
+//! the cell's extent along the view's depth axis, `cell / 2 * (|dx| + |dy| + |dz|)` for the view direction `d`: 0.5 to 0.87
+//! cell, the "radius clamped by the voxel boundaries" of the text. The printed listing takes the distance between two
+//! opposite corners moved by a radius instead, up to 3 cells, and leaves that much stale.
+//! Centres outside the view's frustum are kept.
 //!
-//! Centres outside the view's frustum are kept. A texel on which nothing was drawn shows the far plane: what lies before it
-//! is empty.
+//! **`footprint`**, ours: the cell's corners are projected, and the cell is cleared when the nearest depth in the
+//! rectangle of texels around them lies behind the farthest corner. The cell is taken larger by [`SURFACE_SHIFT`] a side, so that
+//! no view clears a cell that it injects a point into. Cells that reach out of the picture, before the near plane or
+//! behind the eye are kept: what is proven empty is proven by this view alone, and as a whole. A rectangle wider than 8
+//! texels is looked at in blocks of 2, one wider than 16 in blocks of 4, and so on, which widens it by an eighth at
+//! most. Depths are compared as the view writes them, so any projection will do: standard or reversed, with a far plane
+//! or without, jittered, orthographic.
+//!
+//! A texel on which nothing was drawn shows the far plane: what lies before it is empty, by either rule.
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{GRID, PACK, VIEW, VISIBILITY, linear_groups};
 
-use super::ViewInput;
+use super::nearest::NearestDepth;
+use super::{SURFACE_SHIFT, ViewInput};
 
-pub(super) const SHADER: Shader = Shader {
-    name: "progressive/cleanup",
-    parts: &[GRID, VIEW, VISIBILITY, PACK, include_str!("cleanup.wgsl")],
-};
+const PASS: &str = include_str!("cleanup.wgsl");
+/// The rules' texts: `proven_empty` of a cell.
+pub(super) const CENTER: &str = include_str!("center.wgsl");
+pub(super) const FOOTPRINT: &str = include_str!("footprint.wgsl");
+
+pub(super) const BY_CENTER: Shader =
+    Shader { name: "progressive/cleanup by center", parts: &[GRID, VIEW, VISIBILITY, PACK, CENTER, PASS] };
+pub(super) const BY_FOOTPRINT: Shader =
+    Shader { name: "progressive/cleanup by footprint", parts: &[GRID, VIEW, PACK, FOOTPRINT, PASS] };
+
+/// What a view must show for a cell to be cleared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CleanupRule {
+    /// The papers': something farther than the cell, at the texel of its centre. Clears stale cells eagerly, and
+    /// with them good ones at silhouettes and grazing angles: some 10 % of the seen cells in each frame of an orbit.
+    Center,
+    /// Something farther than the whole cell, at every texel that the cell touches. Keeps what is there; a stale cell that
+    /// stands against a silhouette or reaches out of the picture goes when a view sees it whole.
+    #[default]
+    Footprint,
+}
 
 #[derive(Debug)]
-pub(super) struct Cleanup(ComputePass);
+pub(super) struct Cleanup {
+    pass: ComputePass,
+    nearest: Option<NearestDepth>,
+}
 
 impl Cleanup {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+    pub(super) fn new(gpu: &Gpu, rule: CleanupRule) -> Self {
+        match rule {
+            CleanupRule::Center => Self { pass: ComputePass::new(gpu, &BY_CENTER, &[]), nearest: None },
+            CleanupRule::Footprint => Self {
+                pass: ComputePass::new(gpu, &BY_FOOTPRINT, &[("SURFACE_SHIFT", SURFACE_SHIFT)]),
+                nearest: Some(NearestDepth::new(gpu)),
+            },
+        }
     }
 
     pub(super) fn record(
-        &self,
+        &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         view: &ViewInput,
         volume: &mut VolumeBuffer,
     ) -> Result<(), GpuError> {
+        let levels = self
+            .nearest
+            .as_mut()
+            .map(|n| n.record(gpu, encoder, (&view.uniform, &view.textures.depth)))
+            .transpose()?;
         let groups = linear_groups(volume.grid().cell_count() as u32);
         let (grid, mut channels) = volume.ping_pong();
         let [normal, albedo, emission] = channels.as_mut_slice() else {
-            return Err(super::resolve::wrong_channels(SHADER.name));
+            return Err(super::resolve::wrong_channels(self.pass.name()));
         };
-        let bindings = Bindings::new()
+        let mut bindings = Bindings::new()
             .read("grid", grid)
             .read("view", &view.uniform)
             .read("depth", &view.textures.depth)
@@ -50,7 +90,10 @@ impl Cleanup {
             .write("normal_out", normal.1)
             .write("albedo_out", albedo.1)
             .write("emission_out", emission.1);
-        self.0.record(gpu, encoder, &bindings, groups)?;
+        if let Some(levels) = levels {
+            bindings = bindings.read("levels", levels);
+        }
+        self.pass.record(gpu, encoder, &bindings, groups)?;
         volume.swap();
         Ok(())
     }

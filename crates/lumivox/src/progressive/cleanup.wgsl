@@ -1,4 +1,4 @@
-// Cleanup: one cell per invocation, kept or cleared from one ping-pong side to the other.
+// Cleanup: one cell per invocation, kept or cleared from one ping-pong side to the other. The rule stands in a part of its own.
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
 @group(0) @binding(1) var<uniform> view: ViewUniform;
@@ -10,15 +10,6 @@
 @group(0) @binding(7) var<storage, read_write> albedo_out: array<vec2u>;
 @group(0) @binding(8) var<storage, read_write> emission_out: array<vec2u>;
 
-fn proven_empty(center: vec3f) -> bool {
-    let at = projected(view, center);
-    if !at.inside {
-        return false;
-    }
-    let surface = lifted(view, at.ndc, textureLoad(depth, at.texel, 0).r);
-    return eye_distance(view, center) < eye_distance(view, surface) - cell_reach(grid, view);
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let index = linear_id(id, workgroups);
@@ -29,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     var albedo = albedo_in[index];
     var emission = emission_in[index];
     let occupied = unpack_half4(normal).w > 0.0;
-    if occupied && proven_empty(cell_center(grid, cell_from_index(grid, index))) {
+    if occupied && proven_empty(cell_from_index(grid, index)) {
         normal = vec2u(0u);
         albedo = vec2u(0u);
         emission = vec2u(0u);

@@ -54,6 +54,6 @@ impl Injection {
             .read("albedo", &view.textures.albedo)
             .read("emission", &view.textures.emission)
             .write("attribute_sums", attribute_sums);
-        self.0.record(gpu, encoder, &bindings, linear_groups(view.point_count()))
+        self.0.record(gpu, encoder, &bindings, linear_groups(view.invocations()))
     }
 }

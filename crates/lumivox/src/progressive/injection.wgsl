@@ -21,9 +21,6 @@ fn add(at: u32, values: vec3f, steps: f32) {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let index = linear_id(id, workgroups);
-    if index >= view.points.x * view.points.y {
-        return;
-    }
     let point = surface_point(grid, view, depth, normal, index, SURFACE_SHIFT);
     if !point.exists {
         return;

@@ -41,6 +41,6 @@ impl LightInjection {
             .read("normal", view.normal)
             .read("radiance", view.radiance)
             .write("light_sums", light_sums);
-        self.0.record(gpu, encoder, &bindings, linear_groups(view.points.x * view.points.y))
+        self.0.record(gpu, encoder, &bindings, linear_groups(view.invocations))
     }
 }

@@ -3,10 +3,10 @@
 //! Source: *Progressive Screen-Space Multichannel Surface Voxelization* (2013), 6.2 and 6.3; dissertation chapter 7, where
 //! it is called incremental voxelization.
 //!
-//! Each frame has two phases. *Cleanup* asks each view about each occupied cell: a cell whose centre lies in front of what
-//! the view's depth image shows there is proven empty and cleared. It runs once per view, each in its own ping-pong
-//! turn. *Injection* then turns the views' texels into surface points, and the cells they fall in are written. Cells that no
-//! view sees keep what they held: that is what makes the volume grow over the frames.
+//! Each frame has two phases. *Cleanup* asks each view about each occupied cell: one that lies before everything that the
+//! view's depth image shows there is proven empty and cleared, by one of two rules ([`CleanupRule`]). It runs once per view,
+//! each in its own ping-pong turn. *Injection* then turns the views' texels into surface points, and the cells they fall
+//! in are written. Cells that no view sees keep what they held: that is what makes the volume grow over the frames.
 //!
 //! [`SinglePass`] does both in one stage (6.2.3): cheaper, and coarser. A host uses the one or the other.
 //!
@@ -19,25 +19,32 @@
 //! mean does not grow with the number of points, and what is made afresh each frame cannot outlive its lamp. The
 //! paper adds samples up, and keeps light of cells that no view sees until one does.
 //!
-//! **Limits.** One sample decides about a cell in cleanup, so cells at silhouettes and grazing angles are lost and won
-//! again (10 to 15 % of the seen cells over an orbit of a bunny). Extents stay fixed while a volume lives. Stale cells that
-//! no view sees stay (6.6).
+//! **Limits.** Extents stay fixed while a volume lives. Stale cells that no view sees stay (6.6).
 
+mod bricks;
 mod cleanup;
 mod injection;
 mod light_injection;
 mod light_resolve;
+mod nearest;
+mod points;
 mod resolve;
 mod single_pass;
 mod view;
 
 use glam::Vec4;
 
-use crate::gpu::{Buffer, Gpu, GpuError, Shader};
+use crate::gpu::{Buffer, GeneratedText, Gpu, GpuError, Shader};
 use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid, half4};
 
+pub use bricks::{
+    AttributeChannel, AttributeKind, AttributeView, BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics,
+    ProgressiveVoxelizer, VoxelizerSettings,
+};
+pub use cleanup::CleanupRule;
 pub use injection::SURFACE_SHIFT;
 pub use light_injection::LIGHT_SUM_WORDS;
+pub use points::{InjectionGrid, InjectionPattern};
 pub use single_pass::SinglePass;
 pub use view::{InjectionScale, LightView, ViewInput, ViewTextures};
 
@@ -90,28 +97,40 @@ pub struct Progressive {
     add_light: LightResolve,
     replace_light: LightResolve,
     attribute_sums: Buffer,
-    light_sums: Buffer,
+    /// None where light is not asked for.
+    light_sums: Option<Buffer>,
 }
 
 impl Progressive {
     /// Compiles the stages and makes room for the sums of `volume`'s grid: 92 bytes a cell, which is the largest
     /// thing there is here and limits a cubic grid on the core tier to 137 cells a side.
     pub fn new(gpu: &Gpu, volume: &VolumeBuffer) -> Result<Self, GpuError> {
-        let cells = volume.grid().cell_count();
+        Self::with_rule(gpu, volume, CleanupRule::default())
+    }
+
+    /// As [`Self::new`], with a rule of cleanup.
+    pub fn with_rule(gpu: &Gpu, volume: &VolumeBuffer, rule: CleanupRule) -> Result<Self, GpuError> {
         check_grid(gpu, "the sums of injected light", volume.grid(), LIGHT_SUM_WORDS * 4)?;
+        let bytes = volume.grid().cell_count() * LIGHT_SUM_WORDS * 4;
+        let light_sums = Buffer::storage(gpu, "injection/light sums", bytes)?;
+        Ok(Self { light_sums: Some(light_sums), ..Self::of_surfaces(gpu, volume, rule)? })
+    }
+
+    /// Without the sums of light, 40 bytes a cell, for hosts that light surfaces by themselves: [`Self::record_surfaces`] takes the
+    /// place of [`Self::record_light`] and [`Self::record_camera`], which are errors then.
+    pub fn of_surfaces(gpu: &Gpu, volume: &VolumeBuffer, rule: CleanupRule) -> Result<Self, GpuError> {
+        let cell_bytes = ATTRIBUTE_SUM_WORDS * 4;
+        check_grid(gpu, "the sums of injected attributes", volume.grid(), cell_bytes)?;
+        let bytes = volume.grid().cell_count() * cell_bytes;
         Ok(Self {
-            cleanup: Cleanup::new(gpu),
+            cleanup: Cleanup::new(gpu, rule),
             injection: Injection::new(gpu),
             light_injection: LightInjection::new(gpu),
             resolve: Resolve::new(gpu),
             add_light: LightResolve::new(gpu, Replace::No),
             replace_light: LightResolve::new(gpu, Replace::Yes),
-            attribute_sums: Buffer::storage(
-                gpu,
-                "injection/attribute sums",
-                cells * ATTRIBUTE_SUM_WORDS * 4,
-            )?,
-            light_sums: Buffer::storage(gpu, "injection/light sums", cells * LIGHT_SUM_WORDS * 4)?,
+            attribute_sums: Buffer::storage(gpu, "injection/attribute sums", bytes)?,
+            light_sums: None,
         })
     }
 
@@ -122,15 +141,32 @@ impl Progressive {
         Ok(DirectLight { sh: Buffer::storage(gpu, "light/direct", bytes)? })
     }
 
-    /// Clears the cells that `view` proves empty (6.2.1).
+    /// Clears the cells that `view` proves empty (6.2.1). The first view of each size makes room for the levels of its depth.
     pub fn record_cleanup(
-        &self,
+        &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         view: &ViewInput,
         volume: &mut VolumeBuffer,
     ) -> Result<(), GpuError> {
         self.cleanup.record(gpu, encoder, view, volume)
+    }
+
+    /// Begins the frame's injection of views that bring no light.
+    pub fn record_begin_surfaces(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.attribute_sums.raw, 0, None);
+    }
+
+    /// Injects the attributes that views show, without their light.
+    pub fn record_surfaces<'v>(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        views: impl IntoIterator<Item = &'v ViewInput>,
+        volume: &VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let Self { injection, attribute_sums, .. } = self;
+        views.into_iter().try_for_each(|view| injection.record(gpu, encoder, view, volume, attribute_sums))
     }
 
     /// Begins the frame's injection: no samples yet, no light anywhere.
@@ -150,7 +186,7 @@ impl Progressive {
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
         let Some(view) = self.record_points(gpu, encoder, views, volume)? else { return Ok(()) };
-        self.add_light.record(gpu, encoder, (&view.uniform, volume), &self.light_sums, light)
+        self.add_light.record(gpu, encoder, (&view.uniform, volume), with_light(&self.light_sums)?, light)
     }
 
     /// As [`Self::record_light`], for views that add light alone: the same light is added, and no attributes are collected.
@@ -164,15 +200,16 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        encoder.clear_buffer(&self.light_sums.raw, 0, None);
+        let sums = self.light_sums.as_mut().ok_or_else(no_light)?;
+        encoder.clear_buffer(&sums.raw, 0, None);
         let mut last = None;
         for view in views {
             let view = view.into();
-            self.light_injection.record(gpu, encoder, view, volume, &mut self.light_sums)?;
+            self.light_injection.record(gpu, encoder, view, volume, sums)?;
             last = Some(view.uniform);
         }
         let Some(view) = last else { return Ok(()) };
-        self.add_light.record(gpu, encoder, (view, volume), &self.light_sums, light)
+        self.add_light.record(gpu, encoder, (view, volume), sums, light)
     }
 
     /// Injects the camera, after all lights: where its samples fall, their mean replaces the sum of the lights.
@@ -185,7 +222,8 @@ impl Progressive {
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
         self.record_points(gpu, encoder, [view], volume)?;
-        self.replace_light.record(gpu, encoder, (&view.uniform, volume), &self.light_sums, light)
+        let sums = with_light(&self.light_sums)?;
+        self.replace_light.record(gpu, encoder, (&view.uniform, volume), sums, light)
     }
 
     /// Ends the frame's injection: cells with samples take the mean of their attributes over all views (6.2.2). `view` is
@@ -208,24 +246,43 @@ impl Progressive {
         views: impl IntoIterator<Item = &'v ViewInput>,
         volume: &VolumeBuffer,
     ) -> Result<Option<&'v ViewInput>, GpuError> {
-        encoder.clear_buffer(&self.light_sums.raw, 0, None);
+        let sums = self.light_sums.as_mut().ok_or_else(no_light)?;
+        encoder.clear_buffer(&sums.raw, 0, None);
         let mut last = None;
         for view in views {
             self.injection.record(gpu, encoder, view, volume, &mut self.attribute_sums)?;
-            self.light_injection.record(gpu, encoder, view.into(), volume, &mut self.light_sums)?;
+            self.light_injection.record(gpu, encoder, view.into(), volume, sums)?;
             last = Some(view);
         }
         Ok(last)
     }
 }
 
+fn with_light(sums: &Option<Buffer>) -> Result<&Buffer, GpuError> {
+    sums.as_ref().ok_or_else(no_light)
+}
+
+fn no_light() -> GpuError {
+    let reason = "this was made for surfaces, without room for light".to_owned();
+    GpuError::Binding { pass: light_injection::SHADER.name, reason }
+}
+
+/// The texts that volumes of bricks make of some sets of channels.
+pub(crate) fn texts() -> Vec<GeneratedText> {
+    bricks::texts()
+}
+
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![
-        cleanup::SHADER,
+    let of_bricks = bricks::shaders();
+    let others = vec![
+        cleanup::BY_CENTER,
+        cleanup::BY_FOOTPRINT,
+        nearest::SHADER,
         injection::SHADER,
         light_injection::SHADER,
         light_resolve::SHADER,
         resolve::SHADER,
         single_pass::SHADER,
-    ]
+    ];
+    [others, of_bricks].concat()
 }

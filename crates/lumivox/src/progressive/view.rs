@@ -6,6 +6,8 @@ use lumivox_core::View;
 use crate::gpu::{Gpu, Texture, Uniform};
 use crate::wgsl::ViewUniform;
 
+use super::InjectionPattern;
+
 /// The pictures of a view, all of one size; clones are the same pictures. The camera's are its G-buffer, a light's are its reflective shadow map.
 #[derive(Clone, Debug)]
 pub struct ViewTextures {
@@ -30,6 +32,8 @@ pub struct ViewInput {
     /// The view as shaders see it: `ViewUniform` of [`crate::wgsl::VIEW`].
     pub uniform: Uniform<ViewUniform>,
     pub(crate) points: UVec2,
+    pattern: InjectionPattern,
+    split: u32,
 }
 
 impl ViewInput {
@@ -38,10 +42,20 @@ impl ViewInput {
     pub fn new(gpu: &Gpu, label: &str, textures: ViewTextures, points: UVec2) -> Self {
         let points = points.min(UVec2::from(textures.depth.size()));
         let nothing: ViewUniform = bytemuck::Zeroable::zeroed();
-        Self { textures, uniform: Uniform::new(gpu, label, &nothing), points }
+        let uniform = Uniform::new(gpu, label, &nothing);
+        Self { textures, uniform, points, pattern: InjectionPattern::default(), split: 1 }
     }
 
-    /// Number of points it injects.
+    /// The same view with its points in another order, and split over so many frames (at least 1): each of these injects its
+    /// share of them (dissertation 7.10). Light propagation volumes and sub-cells take all of a view's points only in their
+    /// first order.
+    #[must_use]
+    pub fn with_pattern(mut self, pattern: InjectionPattern, split: u32) -> Self {
+        (self.pattern, self.split) = (pattern, split.clamp(1, self.point_count().max(1)));
+        self
+    }
+
+    /// Number of points it injects, in all frames that they are split over together.
     pub fn point_count(&self) -> u32 {
         self.points.x * self.points.y
     }
@@ -49,8 +63,20 @@ impl ViewInput {
     /// Where the view stands this frame. Call it once before the frame is recorded, for all views of the frame with the
     /// same scale.
     pub fn update(&self, gpu: &Gpu, view: &View, scale: InjectionScale) {
+        self.update_frame(gpu, view, scale, 0);
+    }
+
+    /// As [`Self::update`], for the frame of this number: it says which share of split points comes now.
+    pub fn update_frame(&self, gpu: &Gpu, view: &View, scale: InjectionScale, frame: u32) {
         let size = UVec2::from(self.textures.depth.size());
-        self.uniform.write(gpu, &ViewUniform::new(view, size, self.points, scale));
+        let (pattern, split) = (self.pattern as u32, self.split);
+        let whole = ViewUniform::new(view, size, self.points, scale);
+        self.uniform.write(gpu, &ViewUniform { pattern, split, phase: frame % split, ..whole });
+    }
+
+    /// Invocations that take this frame's points.
+    pub(crate) fn invocations(&self) -> u32 {
+        self.pattern.invocations(self.points, self.split)
     }
 }
 
@@ -70,12 +96,21 @@ pub struct LightView<'v> {
     pub uniform: &'v Uniform<ViewUniform>,
     /// Columns and rows of the injection grid.
     pub points: UVec2,
+    /// Invocations that take these: columns times rows, if they are not split over frames.
+    pub invocations: u32,
 }
 
 impl<'v> From<&'v ViewInput> for LightView<'v> {
     fn from(view: &'v ViewInput) -> Self {
         let ViewTextures { depth, normal, radiance, .. } = &view.textures;
-        Self { depth, normal, radiance, uniform: &view.uniform, points: view.points }
+        Self {
+            depth,
+            normal,
+            radiance,
+            uniform: &view.uniform,
+            points: view.points,
+            invocations: view.invocations(),
+        }
     }
 }
 

@@ -9,7 +9,32 @@ struct SurfacePoint {
     normal: vec3f,
 }
 
-// Point number `index` of the view, moved by `shift` cells against its normal.
+const INJECT_BLOCK: u32 = 1u;
+const INJECT_STIPPLED: u32 = 2u;
+const POINT_BLOCK: u32 = 8u;
+
+// Column and row of point number `index` of this frame; outside of the view's points where there is no such point.
+fn point_place(view: ViewUniform, index: u32) -> vec2u {
+    let none = view.points;
+    if view.pattern == INJECT_BLOCK {
+        let blocks = (view.points + POINT_BLOCK - 1u) / POINT_BLOCK;
+        let block = index / (POINT_BLOCK * POINT_BLOCK) * view.split + view.phase;
+        let within = index % (POINT_BLOCK * POINT_BLOCK);
+        let corner = POINT_BLOCK * vec2u(block % blocks.x, block / blocks.x);
+        return corner + vec2u(within % POINT_BLOCK, within / POINT_BLOCK);
+    }
+    if view.pattern == INJECT_STIPPLED {
+        let columns = (view.points.x + view.split - 1u) / view.split;
+        let row = index / columns;
+        let shift = (view.phase + row * ((view.split + 1u) / 2u)) % view.split;
+        return vec2u(index % columns * view.split + shift, row);
+    }
+    let band = (view.points.x * view.points.y + view.split - 1u) / view.split;
+    let number = view.phase * band + index;
+    return select(none, vec2u(number % view.points.x, number / view.points.x), index < band);
+}
+
+// Point number `index` of the view in this frame, moved by `shift` cells against its normal.
 fn surface_point(
     grid: GridUniform,
     view: ViewUniform,
@@ -19,8 +44,11 @@ fn surface_point(
     shift: f32,
 ) -> SurfacePoint {
     var point: SurfacePoint;
-    let column_row = vec2f(f32(index % view.points.x), f32(index / view.points.x));
-    point.texel = vec2u((column_row + 0.5) / vec2f(view.points) * vec2f(view.size));
+    let place = point_place(view, index);
+    if any(place >= view.points) {
+        return point;
+    }
+    point.texel = vec2u((vec2f(place) + 0.5) / vec2f(view.points) * vec2f(view.size));
     let recorded = textureLoad(depth, point.texel, 0).r;
     let facing = textureLoad(normal, point.texel, 0).xyz;
     if recorded == view.far_depth || dot(facing, facing) < 0.25 {

@@ -14,6 +14,12 @@ struct ViewUniform {
     // Fixed-point steps per unit of a sum: of normals and albedo, and of one light's radiance.
     unit_steps: f32,
     light_steps: f32,
+    // In which order points are taken: INJECT_LINEAR, INJECT_BLOCK or INJECT_STIPPLED.
+    pattern: u32,
+    // Over how many frames they are split, and the number of this one.
+    split: u32,
+    phase: u32,
+    spare: u32,
 }
 
 // Fixed-point steps per unit of summed emission, which is an attribute with the range of radiances.

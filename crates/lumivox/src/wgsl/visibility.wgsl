@@ -24,10 +24,13 @@ fn projected(view: ViewUniform, world: vec3f) -> Projected {
     return point;
 }
 
+// The inverse of the largest distance, in 1/metre, that a picture without a far plane shows.
+const HORIZON: f32 = 1e-12;
+
 // The world point at these coordinates with the depth of a picture.
 fn lifted(view: ViewUniform, ndc: vec2f, depth: f32) -> vec3f {
     let world = view.world_from_clip * vec4f(ndc, depth, 1.0);
-    return world.xyz / world.w;
+    return world.xyz / max(world.w, HORIZON);
 }
 
 // Half the extent of a cell along the view's depth axis, in metres.

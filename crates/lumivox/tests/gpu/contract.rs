@@ -236,7 +236,7 @@ fn binding_errors(_: &Labs) -> Result<(), Failed> {
     assert_eq!(read_buffer::<f32>(&gpu, &b)?, [2.0, 8.0], "the right bindings, in any order");
 
     let mut wrong = VolumeBuffer::new(&gpu, grid(), &[NORMAL])?;
-    let progressive = Progressive::new(&gpu, &wrong)?;
+    let mut progressive = Progressive::new(&gpu, &wrong)?;
     let shot = Shot::take(&gpu, views()[0].1, SIZE, &[])?;
     let error = run(&gpu, |e| progressive.record_cleanup(&gpu, e, &shot.input, &mut wrong));
     let text = error.expect_err("a volume without albedo").to_string();

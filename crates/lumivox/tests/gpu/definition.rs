@@ -3,7 +3,7 @@
 
 use lumivox::core::{Grid, View};
 use lumivox::glam::{DVec2, DVec3, DVec4, IVec3, UVec2, UVec3};
-use lumivox::progressive::SURFACE_SHIFT;
+use lumivox::progressive::{InjectionPattern, SURFACE_SHIFT};
 
 use crate::picture::{lifted, ndc_of_texel};
 use crate::support::{SCALE, Shot};
@@ -67,6 +67,53 @@ pub(crate) fn proven_empty(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<bool
             (margin.abs() > CLOSE).then_some(margin > 0.0)
         }
     }
+}
+
+/// Whether cleanup by footprint clears a cell; none when that is too close to call.
+pub(crate) fn proven_empty_whole(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<bool> {
+    let [sooner, later] = [-1.0, 1.0].map(|margin| whole_verdict(shot, grid, cell, margin));
+    (sooner == later).then_some(sooner)
+}
+
+/// The verdict when the cell's footprint is larger by `margin` times what single precision may be off, and its farthest
+/// corner so much farther.
+fn whole_verdict(shot: &Shot, grid: &Grid, cell: UVec3, margin: f64) -> bool {
+    const TEXELS: f64 = 1e-4;
+    const DEPTH: f64 = 2e-6;
+    let (size, is_reversed) = (shot.picture.size.as_dvec2(), shot.view.reversed_depth);
+    // Distances in depth grow away from the eye.
+    let away = |depth: f64| if is_reversed { 1.0 - depth } else { depth };
+    let cell_size = f64::from(grid.cell_size);
+    let middle = grid.origin.as_dvec3() + cell_size * (cell.as_dvec3() + 0.5);
+    let (mut low, mut high) = (DVec2::splat(f64::MAX), DVec2::splat(f64::MIN));
+    let mut farthest = 0f64;
+    for corner in 0..8 {
+        let side = DVec3::from_array(std::array::from_fn(|i| f64::from(corner >> i & 1) - 0.5));
+        let point = middle + (1.0 + 2.0 * SURFACE_SHIFT) * cell_size * side;
+        let clip: DVec4 = shot.view.clip_from_world.as_dmat4() * point.extend(1.0);
+        let ndc = clip.truncate() / clip.w;
+        if clip.w <= 0.0 || away(ndc.z) < margin * DEPTH {
+            return false;
+        }
+        let at = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
+        (low, high) = (low.min(at), high.max(at));
+        farthest = farthest.max(away(ndc.z));
+    }
+    (low, high) = (low - margin * TEXELS, high + margin * TEXELS);
+    if low.cmplt(DVec2::ZERO).any() || high.cmpgt(size).any() {
+        return false;
+    }
+    let (first, last) = (low.as_uvec2(), high.as_uvec2().min(shot.picture.size - 1));
+    // Blocks of 2, 4, 8.. texels, of which at most 9 lie across.
+    let across = (last - first).max_element();
+    let block = (0..).map(|level| 1u32 << level).find(|block| across < 8 * block).unwrap_or(1);
+    let (first, last) =
+        (first / block * block, (last / block * block + block - 1).min(shot.picture.size - 1));
+    (first.y..=last.y).all(|y| {
+        let row = (y * shot.picture.size.x) as usize;
+        let texels = &shot.picture.depth[row + first.x as usize..=row + last.x as usize];
+        texels.iter().all(|depth| away(f64::from(*depth)) > farthest + margin * DEPTH)
+    })
 }
 
 /// What the single pass does with a cell.
@@ -138,6 +185,33 @@ pub(crate) struct Sums {
 
 /// What injection is defined to add up, with every `stride`-th texel as a point.
 pub(crate) fn defined_sums(shots: &[&Shot], grid: &Grid, stride: u32) -> Vec<Sums> {
+    defined_sums_of(shots, grid, stride, &|_| true)
+}
+
+/// Whether a frame of a split takes a point, in a grid of so many points.
+pub(crate) fn is_taken(
+    (pattern, split, frame): (InjectionPattern, u32, u32),
+    points: UVec2,
+    point: UVec2,
+) -> bool {
+    let phase = frame % split;
+    match pattern {
+        InjectionPattern::Linear => {
+            let band = (points.x * points.y).div_ceil(split);
+            (point.y * points.x + point.x) / band == phase
+        }
+        InjectionPattern::Block => (point.y / 8 * points.x.div_ceil(8) + point.x / 8) % split == phase,
+        InjectionPattern::Stippled => (phase + point.y * split.div_ceil(2)) % split == point.x % split,
+    }
+}
+
+/// The same of those points that are taken.
+pub(crate) fn defined_sums_of(
+    shots: &[&Shot],
+    grid: &Grid,
+    stride: u32,
+    takes: &dyn Fn(UVec2) -> bool,
+) -> Vec<Sums> {
     /// Error of a depth value lifted in single precision, in cells.
     const CLEAR_OF_BORDER: f64 = 5e-4;
     let mut cells = vec![Sums::default(); grid.cell_count() as usize];
@@ -147,7 +221,8 @@ pub(crate) fn defined_sums(shots: &[&Shot], grid: &Grid, stride: u32) -> Vec<Sum
         let points = points.flat_map(|y| (stride / 2..size.x).step_by(stride as usize).map(move |x| (x, y)));
         for (x, y) in points {
             let texel = (y * size.x + x) as usize;
-            let Some((attributes, light)) = sample(shot, texel) else { continue };
+            let point = UVec2::new(x, y) / stride;
+            let Some((attributes, light)) = sample(shot, texel).filter(|_| takes(point)) else { continue };
             let n = attributes[0];
             let depth = shot.picture.depth[texel];
             let world = lifted(&shot.view, ndc_of_texel(UVec2::new(x, y), size), depth);

@@ -71,8 +71,7 @@ pub(crate) fn halves(v: DVec3) -> [f16; 4] {
 impl Picture {
     pub(crate) fn take(view: &View, size: UVec2, things: &[Thing]) -> Self {
         let clip_from_world = view.clip_from_world.as_dmat4();
-        let world_from_clip = clip_from_world.inverse();
-        let (near, far) = if view.reversed_depth { (1.0, 0.0) } else { (0.0, 1.0) };
+        let far = if view.reversed_depth { 0.0 } else { 1.0 };
         let mut picture = Self {
             size,
             depth: Vec::new(),
@@ -83,8 +82,7 @@ impl Picture {
         };
         for (y, x) in (0..size.y).flat_map(|y| (0..size.x).map(move |x| (y, x))) {
             let ndc = ndc_of_texel(UVec2::new(x, y), size);
-            let start = world_from_clip.project_point3(ndc.extend(near));
-            let along = world_from_clip.project_point3(ndc.extend(far)) - start;
+            let (start, along) = ray(view, ndc);
             let nearest = things
                 .iter()
                 .filter_map(|thing| thing.0.hit(start, along).map(|(t, n)| (t, n, thing.1)))
@@ -138,8 +136,20 @@ pub(crate) fn ndc_of_texel(texel: UVec2, size: UVec2) -> DVec2 {
     DVec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y)
 }
 
-/// The world point that a depth value at these coordinates means.
+/// The world point that a depth value at these coordinates means; far away where a view without a far plane shows nothing.
 pub(crate) fn lifted(view: &View, ndc: DVec2, depth: f32) -> DVec3 {
     let inverse: DMat4 = view.clip_from_world.as_dmat4().inverse();
-    inverse.project_point3(ndc.extend(f64::from(depth)))
+    let point = inverse * ndc.extend(f64::from(depth)).extend(1.0);
+    point.truncate() / point.w.max(1e-9)
+}
+
+/// The ray of a texel, from the near plane to the far plane, or 12 metres on where there is none.
+pub(crate) fn ray(view: &View, ndc: DVec2) -> (DVec3, DVec3) {
+    let inverse: DMat4 = view.clip_from_world.as_dmat4().inverse();
+    let (near, far) = if view.reversed_depth { (1.0, 0.0) } else { (0.0, 1.0) };
+    let start = inverse.project_point3(ndc.extend(near));
+    let end = inverse * ndc.extend(far).extend(1.0);
+    let is_endless = end.w.abs() < 1e-5;
+    let along = if is_endless { 12.0 * end.truncate().normalize() } else { end.truncate() / end.w - start };
+    (start, along)
 }

@@ -2,23 +2,26 @@
 
 use libtest_mimic::Failed;
 use lumivox::core::{Grid, View};
-use lumivox::glam::{DVec3, UVec2, UVec3, Vec2, Vec3, Vec4};
+use lumivox::glam::{DVec3, Mat4, UVec2, UVec3, Vec2, Vec3, Vec4};
 use lumivox::gpu::Gpu;
-use lumivox::progressive::CHANNELS;
+use lumivox::progressive::{CHANNELS, CleanupRule, InjectionPattern};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
-use crate::definition::{defined_sums, proven_empty};
+use crate::definition::{Sums, defined_sums, defined_sums_of, is_taken, proven_empty, proven_empty_whole};
 use crate::picture::{Paint, Picture, Shape, Thing};
-use crate::random_views::random_shot;
+use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
 use crate::support::{Lab, SCALE, Shot, World, channel, is_mean};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
     ("progressive: cleanup clears what its definition clears", cleanup_is_its_definition),
     ("progressive: cleanup by random views is its definition", cleanup_by_random_views),
+    ("progressive: cleanup of cells that cover many texels is its definition", cleanup_of_wide_cells),
+    ("progressive: by footprint no view clears a cell that it injects into", footprint_holds),
     ("progressive: injection by random views is its definition", injection_by_random_views),
     ("progressive: injection fills what its definition fills", injection_is_its_definition),
     ("progressive: half the points inject half the picture", coarse_injection_is_its_definition),
+    ("progressive: points in any order, split over frames, are the definition's", patterns),
     ("progressive: nothing is injected where no surface is", nothing_from_nothing),
     ("progressive: a removed object vanishes when its place is seen", removed_objects_vanish),
 ];
@@ -61,58 +64,110 @@ pub(crate) fn views() -> [(&'static str, View); 3] {
     ]
 }
 
-/// Seeds of the random views that every definition is held against.
-pub(crate) const RANDOM_SEEDS: std::ops::Range<u64> = 1..49;
-
 pub(crate) const SIZE: UVec2 = UVec2::new(80, 64);
 
+const RULES: [CleanupRule; 2] = [CleanupRule::Center, CleanupRule::Footprint];
+
+fn defined(rule: CleanupRule, shot: &Shot, cell: UVec3) -> Option<bool> {
+    match rule {
+        CleanupRule::Center => proven_empty(shot, &grid(), cell),
+        CleanupRule::Footprint => proven_empty_whole(shot, &grid(), cell),
+    }
+}
+
 /// Cells that cleanup cleared, kept, and whose verdict is too close to call.
-fn check_cleanup(lab: &Lab, shot: &Shot, name: &str) -> Result<[u64; 3], Failed> {
+fn check_cleanup(lab: &Lab, shot: &Shot, rule: CleanupRule, name: &str) -> Result<[u64; 3], Failed> {
     let mut world = World::new(lab, grid())?;
     world.scatter(&lab.gpu, 7)?;
     let before = world.read(&lab.gpu)?;
-    world.clean(&lab.gpu, shot)?;
+    world.clean_by(&lab.gpu, rule, shot)?;
     let after = world.read(&lab.gpu)?;
     let [mut cleared, mut kept, mut close] = [0; 3];
     for (index, cell) in grid().cells().enumerate() {
-        let Some(empty) = proven_empty(shot, &grid(), cell) else {
+        let Some(empty) = defined(rule, shot, cell) else {
             close += 1;
             continue;
         };
         for channel_name in CHANNELS {
             let was = channel(&before, channel_name)[index];
             let expected = if empty { Vec4::ZERO } else { was };
-            assert_eq!(channel(&after, channel_name)[index], expected, "{name}, {cell}");
+            assert_eq!(channel(&after, channel_name)[index], expected, "{rule:?}, {name}, {cell}");
         }
         if channel(&before, NORMAL)[index].w > 0.0 {
             *(if empty { &mut cleared } else { &mut kept }) += 1;
         }
     }
-    eprintln!("cleanup, {name}: {cleared} cleared, {kept} kept, {close} too close to call");
+    eprintln!("cleanup, {rule:?}, {name}: {cleared} cleared, {kept} kept, {close} too close to call");
     assert!(close * 100 < grid().cell_count(), "{name}: {close} cells are too close to call");
     Ok([cleared, kept, close])
 }
 
 fn cleanup_is_its_definition(labs: &Labs) -> Result<(), Failed> {
     let lab = &labs.core;
-    for (name, view) in views() {
+    for ((name, view), rule) in views().into_iter().flat_map(|view| RULES.map(|rule| (view, rule))) {
         let shot = Shot::take(&lab.gpu, view, SIZE, &[FLOOR, BALL, CHEST])?;
-        let [cleared, kept, _] = check_cleanup(lab, &shot, name)?;
+        let [cleared, kept, _] = check_cleanup(lab, &shot, rule, name)?;
         assert!(cleared > 100 && kept > 100, "{name} shows too little: {cleared} cleared, {kept} kept");
     }
     Ok(())
 }
 
 fn cleanup_by_random_views(labs: &Labs) -> Result<(), Failed> {
-    let mut all = [0; 3];
-    for seed in RANDOM_SEEDS {
-        let (name, shot) = random_shot(&labs.core.gpu, &grid(), seed)?;
-        let counts = check_cleanup(&labs.core, &shot, &name)?;
-        all = std::array::from_fn(|i| all[i] + counts[i]);
+    for rule in RULES {
+        let mut all = [0; 3];
+        for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
+            let (name, shot) = random_shot(&labs.core.gpu, &grid(), seed)?;
+            let counts = check_cleanup(&labs.core, &shot, rule, &name)?;
+            all = std::array::from_fn(|i| all[i] + counts[i]);
+        }
+        eprintln!("cleanup by random views, {rule:?}: cleared, kept, too close to call {all:?}");
+        assert!(all[0] > 10_000 && all[1] > 10_000, "the views show too little: {all:?}");
+        assert!(all[2] * 1000 < all[0] + all[1], "too many cells are too close to call: {all:?}");
     }
-    eprintln!("cleanup by random views: cleared, kept, too close to call {all:?}");
-    assert!(all[0] > 10_000 && all[1] > 10_000, "the views show too little: {all:?}");
-    assert!(all[2] * 1000 < all[0] + all[1], "too many cells are too close to call: {all:?}");
+    Ok(())
+}
+
+/// Wide footprints: cells that cover a hundred texels and more, which are looked up in blocks.
+fn cleanup_of_wide_cells(labs: &Labs) -> Result<(), Failed> {
+    let (gpu, mut all) = (&labs.core.gpu, [0; 3]);
+    for (number, (name, view)) in views().into_iter().enumerate() {
+        // The same view through a window that is eight times as narrow, and moved aside.
+        let aside = Vec3::new(1.5 - number as f32, 2.0 * number as f32 - 2.0, 0.0);
+        let mut near = view;
+        near.clip_from_world =
+            Mat4::from_translation(aside) * Mat4::from_scale(Vec3::new(8.0, 8.0, 1.0)) * view.clip_from_world;
+        for things in [vec![FLOOR, BALL, CHEST], vec![CHEST], Vec::new()] {
+            let shot = Shot::take(gpu, near, UVec2::new(251, 190), &things)?;
+            let counts = check_cleanup(&labs.core, &shot, CleanupRule::Footprint, name)?;
+            all = std::array::from_fn(|i| all[i] + counts[i]);
+        }
+    }
+    eprintln!("cleanup of wide cells: cleared, kept, too close to call {all:?}");
+    assert!(all[0] > 100, "the views show too little: {all:?}");
+    Ok(())
+}
+
+/// What a view injects it does not clear, nor does any other of the same things that sees it with as many points.
+fn footprint_holds(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let mut lost = [0; 2];
+    let mut found = 0;
+    for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
+        let (name, shot) = random_shot(gpu, &grid(), seed)?;
+        for (rule, lost) in RULES.into_iter().zip(&mut lost) {
+            let mut world = World::new(&labs.core, grid())?;
+            world.inject(gpu, &[], Some(&shot))?;
+            let before = occupied_cells(gpu, &world)?;
+            world.clean_by(gpu, rule, &shot)?;
+            let after = occupied_cells(gpu, &world)?;
+            let gone = before.iter().zip(&after).filter(|(b, a)| **b && !**a).count();
+            assert!(rule == CleanupRule::Center || gone == 0, "{name}: {gone} cells of its own are gone");
+            *lost += gone;
+            found += before.iter().filter(|b| **b).count() / 2;
+        }
+    }
+    eprintln!("of {found} cells their own views clear, by center and by footprint, {lost:?}");
+    assert!(lost[0] > 500, "the views are too easy: center loses {} cells", lost[0]);
     Ok(())
 }
 
@@ -124,13 +179,17 @@ fn check_injection(
     stride: u32,
     name: &str,
 ) -> Result<[u64; 2], Failed> {
+    check_sums(gpu, world, &defined_sums(shots, world.volume.grid(), stride), name)
+}
+
+fn check_sums(gpu: &Gpu, world: &World, defined: &[Sums], name: &str) -> Result<[u64; 2], Failed> {
     let [step, light_step] =
         [SCALE.attribute_points, SCALE.light_points].map(|n| f64::from(n) / 2f64.powi(30));
     let [emission_step, light_step] = [step, light_step].map(|step| step * f64::from(SCALE.radiance_max));
     let (volume, light) = (world.read(gpu)?, world.light.read_back(gpu)?);
     let stored = [NORMAL, ALBEDO, EMISSION].map(|name| channel(&volume, name));
     let (mut occupied, mut uncertain) = (0, 0);
-    for (index, sums) in defined_sums(shots, world.volume.grid(), stride).iter().enumerate() {
+    for (index, sums) in defined.iter().enumerate() {
         let cell = world.volume.grid().cell(index);
         let holds = stored[0][index].w;
         if sums.count == 0.0 && !sums.uncertain {
@@ -181,7 +240,7 @@ fn injection_is_its_definition(labs: &Labs) -> Result<(), Failed> {
 
 fn injection_by_random_views(labs: &Labs) -> Result<(), Failed> {
     let (gpu, mut all) = (&labs.core.gpu, [0; 2]);
-    for seed in RANDOM_SEEDS {
+    for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
         let (name, shot) = random_shot(gpu, &grid(), seed)?;
         let mut world = World::new(&labs.core, grid())?;
         world.inject(gpu, &[], Some(&shot))?;
@@ -202,6 +261,33 @@ fn coarse_injection_is_its_definition(labs: &Labs) -> Result<(), Failed> {
     let counts = check_injection(gpu, &world, &[&shot], 2, "every other texel")?;
     assert!(counts[0] > 100, "every other texel shows too little");
     assert_few_uncertain(counts);
+    Ok(())
+}
+
+fn patterns(labs: &Labs) -> Result<(), Failed> {
+    let (gpu, view) = (&labs.core.gpu, views()[0].1);
+    // Neither side is a multiple of a block.
+    let size = UVec2::new(75, 61);
+    for pattern in [InjectionPattern::Linear, InjectionPattern::Block, InjectionPattern::Stippled] {
+        for split in [1, 2, 5] {
+            let mut shot = Shot::take(gpu, view, size, &[FLOOR, BALL, CHEST])?;
+            shot.input = shot.input.with_pattern(pattern, split);
+            let mut taken = 0;
+            for frame in split..2 * split {
+                shot.input.update_frame(gpu, &view, SCALE, frame);
+                let mut world = World::new(&labs.core, grid())?;
+                world.inject(gpu, &[], Some(&shot))?;
+                let takes = |point: UVec2| is_taken((pattern, split, frame), size, point);
+                let defined = defined_sums_of(&[&shot], &grid(), 1, &takes);
+                let name = format!("{pattern:?}, frame {frame} of a split in {split}");
+                check_sums(gpu, &world, &defined, &name)?;
+                taken += defined.iter().map(|sums| sums.count as u32).sum::<u32>();
+            }
+            let all: u32 = defined_sums(&[&shot], &grid(), 1).iter().map(|sums| sums.count as u32).sum();
+            assert!(all > 1_000, "{pattern:?} shows too little");
+            assert_eq!(taken, all, "{pattern:?}: {split} frames take every point once");
+        }
+    }
     Ok(())
 }
 

@@ -9,8 +9,8 @@ use lumivox::volume::NORMAL;
 
 use crate::definition::{Verdict, sample, verdict};
 use crate::picture::{Paint, Shape, Thing};
-use crate::progressive::{BALL, CHEST, FLOOR, RANDOM_SEEDS, SIZE, grid, views};
-use crate::random_views::random_shot;
+use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
+use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
 use crate::support::{Shot, World, channel, is_mean};
 use crate::{Labs, Test};
 
@@ -71,7 +71,7 @@ impl State {
 fn random_views(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let mut all = [0; 5];
-    for seed in RANDOM_SEEDS {
+    for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
         let (name, shot) = random_shot(gpu, &grid(), seed)?;
         for (role, keep) in [("light", 1.0), ("camera", 0.0)] {
             let mut world = World::new(&labs.core, grid())?;

@@ -7,7 +7,9 @@ use lumivox::core::{Grid, HostVolume, View};
 use lumivox::glam::{UVec2, UVec3, Vec3, Vec4};
 use lumivox::gpu::{Gpu, GpuError};
 use lumivox::light::IndirectLight;
-use lumivox::progressive::{CHANNELS, DirectLight, InjectionScale, Progressive, SinglePass, ViewInput};
+use lumivox::progressive::{
+    CHANNELS, CleanupRule, DirectLight, InjectionScale, Progressive, SinglePass, ViewInput,
+};
 use lumivox::wgpu;
 
 use crate::picture::{Picture, Thing};
@@ -19,6 +21,7 @@ pub(crate) const SCALE: InjectionScale =
 /// The stages for one grid size.
 pub(crate) struct Stages {
     pub(crate) progressive: Progressive,
+    pub(crate) by_center: Progressive,
     pub(crate) light: IndirectLight,
     pub(crate) single: SinglePass,
 }
@@ -43,6 +46,7 @@ impl Lab {
         }
         let stages = Arc::new(Mutex::new(Stages {
             progressive: Progressive::new(&self.gpu, volume)?,
+            by_center: Progressive::with_rule(&self.gpu, volume, CleanupRule::Center)?,
             light: IndirectLight::new(&self.gpu, volume)?,
             single: SinglePass::new(&self.gpu, volume)?,
         }));
@@ -84,8 +88,17 @@ impl World {
 
     /// Cleanup by one view.
     pub(crate) fn clean(&mut self, gpu: &Gpu, shot: &Shot) -> Result<(), GpuError> {
-        let stages = locked(&self.stages);
-        run(gpu, |e| stages.progressive.record_cleanup(gpu, e, &shot.input, &mut self.volume))
+        self.clean_by(gpu, CleanupRule::default(), shot)
+    }
+
+    /// Cleanup by one view with a rule.
+    pub(crate) fn clean_by(&mut self, gpu: &Gpu, rule: CleanupRule, shot: &Shot) -> Result<(), GpuError> {
+        let stages = &mut *locked(&self.stages);
+        let progressive = match rule {
+            CleanupRule::Center => &mut stages.by_center,
+            CleanupRule::Footprint => &mut stages.progressive,
+        };
+        run(gpu, |e| progressive.record_cleanup(gpu, e, &shot.input, &mut self.volume))
     }
 
     /// Injection of a frame: lamps, then the camera.

@@ -1,0 +1,144 @@
+//! From bricks to memory. These wait; they are no part of a frame.
+
+use glam::{IVec3, UVec3, Vec4};
+use half::f16;
+use lumivox_core::HostVolume;
+
+use crate::gpu::{Gpu, GpuError, read_buffer};
+
+use super::ProgressiveVoxelizer;
+use super::store::{BRICK_CELLS, BRICK_SIDE, HEADER};
+
+/// An occupied cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrickCell {
+    /// Its number along each axis, counted from the corner of the first window; negative ones lie before it.
+    pub cell: IVec3,
+    /// Its channels.
+    pub values: Vec<Vec4>,
+    /// Frames since a view last showed it.
+    pub age: u32,
+    /// In how many frames one did, up to 255.
+    pub frames: u32,
+}
+
+/// What the last recorded frame did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameDiagnostics {
+    /// Cells that hold a surface.
+    pub occupied: u32,
+    /// Cells that points fell into.
+    pub injected: u32,
+    /// Those of them that were empty before.
+    pub new: u32,
+    /// Cells that a view proved empty.
+    pub cleaned: u32,
+    /// Cells that no view had shown for too long.
+    pub died: u32,
+    /// Bricks in use, made and given back.
+    pub bricks: u32,
+    /// Bricks that were made.
+    pub entered: u32,
+    /// Bricks that were given back.
+    pub left: u32,
+    /// Points, and bricks of points, that found no room.
+    pub refused: u32,
+    /// Bytes of the volume that were read and written: table, headers, lists, sums, values and ages, without the views' pictures.
+    pub bytes: u64,
+    /// Milliseconds, if the host measured them.
+    pub milliseconds: Option<f64>,
+}
+
+impl ProgressiveVoxelizer {
+    /// What the last recorded frame did. Waits.
+    pub fn diagnostics(&self, gpu: &Gpu, milliseconds: Option<f64>) -> Result<FrameDiagnostics, GpuError> {
+        let counters: Vec<u32> = read_buffer(gpu, &self.store.counters)?;
+        let [.., kept, injected, new, cleaned, died, entered, left, refused] = counters[..12] else {
+            return Ok(FrameDiagnostics::default());
+        };
+        let (side, touched) = (self.side() as usize, counters[3].min(self.settings.bricks_in_view));
+        let bricks = counters[side];
+        Ok(FrameDiagnostics {
+            occupied: kept + new - cleaned,
+            injected,
+            new,
+            cleaned,
+            died,
+            bricks,
+            entered,
+            left,
+            refused,
+            bytes: self.traffic(bricks, touched, injected, kept),
+            milliseconds,
+        })
+    }
+
+    /// The occupied cells with their values, in no order. Waits.
+    pub fn read_cells(&self, gpu: &Gpu) -> Result<Vec<BrickCell>, GpuError> {
+        let counters: Vec<u32> = read_buffer(gpu, &self.store.counters)?;
+        let lists: Vec<u32> = read_buffer(gpu, &self.store.lists)?;
+        let headers: Vec<u32> = read_buffer(gpu, &self.store.headers)?;
+        let values: Vec<[f16; 4]> = read_buffer(gpu, &self.store.values)?;
+        let shown: Vec<u32> = read_buffer(gpu, &self.store.shown)?;
+        let side = self.side() as usize;
+        let start = side * self.settings.bricks as usize;
+        let listed = &lists[start..start + (counters[side] as usize).min(self.settings.bricks as usize)];
+        let mut cells = Vec::new();
+        for slot in listed.iter().map(|slot| *slot as usize) {
+            let header = &headers[slot * HEADER..(slot + 1) * HEADER];
+            let corner = IVec3::from_array([0, 1, 2].map(|axis| header[axis] as i32 * BRICK_SIDE as i32));
+            for number in 0..BRICK_CELLS as u32 {
+                if header[3 + number as usize / 32] >> (number % 32) & 1 == 0 {
+                    continue;
+                }
+                let place = UVec3::new(number, number / BRICK_SIDE, number / (BRICK_SIDE * BRICK_SIDE));
+                let index = slot * BRICK_CELLS as usize + number as usize;
+                let channels = self.channels.len();
+                let values = &values[index * channels..(index + 1) * channels];
+                cells.push(BrickCell {
+                    cell: corner + (place % BRICK_SIDE).as_ivec3(),
+                    values: values.iter().map(|v| Vec4::from_array(v.map(f16::to_f32))).collect(),
+                    age: self.frame.wrapping_sub(shown[index]) & 0xff_ffff,
+                    frames: shown[index] >> 24,
+                });
+            }
+        }
+        Ok(cells)
+    }
+
+    /// The window as a volume in memory, with empty cells zero. Waits.
+    pub fn read_back(&self, gpu: &Gpu) -> Result<HostVolume, GpuError> {
+        let grid = self.grid();
+        let mut volume = HostVolume::new(grid);
+        let mut channels = vec![vec![Vec4::ZERO; grid.cell_count() as usize]; self.channels.len()];
+        let first = self.first * BRICK_SIDE as i32;
+        for BrickCell { cell, values, .. } in self.read_cells(gpu)? {
+            let within = cell - first;
+            if within.cmplt(IVec3::ZERO).any() || within.cmpge(grid.dims.as_ivec3()).any() {
+                continue;
+            }
+            let index = grid.index(within.as_uvec3());
+            for (channel, value) in channels.iter_mut().zip(values) {
+                channel[index] = value;
+            }
+        }
+        for (channel, values) in self.channels.iter().zip(channels) {
+            volume.insert(&channel.name, values);
+        }
+        Ok(volume)
+    }
+
+    /// Bytes of the volume that a frame reads and writes, without the look-ups of points in the table, which the caches hold.
+    fn traffic(&self, bricks: u32, touched: u32, injected: u32, kept: u32) -> u64 {
+        let [bricks, touched, injected, kept] = [bricks, touched, injected, kept].map(u64::from);
+        let (views, channels) = (u64::from(self.cleaned_by), self.channels.len() as u64);
+        let sum_bytes = 4 * super::channel::sum_words(&self.channels);
+        // Slot and header, and the next list.
+        let keep = bricks * (4 + 20 + 4) + if self.settings.max_age > 0 { 4 * kept } else { 0 };
+        // Slot, bits and number of each brick.
+        let clean = views * bricks * (4 + 20);
+        // The counts of touched bricks; of cells with points the sums added to, read and zeroed, values, bits and age.
+        let resolve = touched * (4 + 4 * BRICK_CELLS) + injected * (3 * sum_bytes + 8 * channels + 8 + 8);
+        keep + clean + resolve
+    }
+}
