@@ -3,6 +3,7 @@
 //! One device per tier, opened once, and the stages of each grid size are shared by all tests. Without an adapter every
 //! test is reported as ignored, with that reason in its name; with `LUMIVOX_REQUIRE_GPU=1` that fails instead.
 
+mod bricks;
 mod cells;
 mod contract;
 mod definition;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
     let labs = labs.map(Arc::new);
     let tests = [
         progressive::TESTS,
+        bricks::TESTS,
         lighting::TESTS,
         light::TESTS,
         energy::TESTS,

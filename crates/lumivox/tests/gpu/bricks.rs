@@ -1,0 +1,382 @@
+//! Volumes of bricks: the same cells as cleanup and injection over all cells make, and what these do not have.
+
+use libtest_mimic::Failed;
+use lumivox::core::{Bounds, Grid, HostVolume, View};
+use lumivox::glam::{IVec3, UVec2, UVec3, Vec2, Vec3, Vec4};
+use lumivox::gpu::{Gpu, GpuError, Tier};
+use lumivox::progressive::{
+    AttributeChannel, AttributeKind, AttributeView, CHANNELS, CleanupRule, FrameDiagnostics,
+    InjectionPattern, ProgressiveVoxelizer, VoxelizerSettings,
+};
+
+use crate::picture::Thing;
+use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
+use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
+use crate::support::{SCALE, Shot, World, channel, run};
+use crate::{Labs, Test};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("bricks: frames of random views are those of the dense form, cell by cell", equal_to_dense),
+    ("bricks: what happened in a frame is counted", counted),
+    ("bricks: views that only clean clean", cleaning_views),
+    ("bricks: cleanup looks only into boxes where there are some", boxes),
+    ("bricks: cells seldom seen die of age, others stay", age),
+    ("bricks: cleanup in turns takes as many frames as it has turns", turns),
+    ("bricks: a window that moves keeps what stays in it", moving_window),
+    ("bricks: no room is counted, and room is given back", no_room),
+    ("bricks: frames make nothing new once they have seen their views", makes_nothing),
+    ("bricks: any channels, in any number", channels),
+];
+
+/// The channels of the dense form.
+fn dense_channels() -> Vec<AttributeChannel> {
+    let kinds =
+        [AttributeKind::Normal, AttributeKind::Color(1.0), AttributeKind::Color(SCALE.radiance_max)];
+    CHANNELS.iter().zip(kinds).map(|(name, kind)| AttributeChannel::new(name, kind)).collect()
+}
+
+fn settings() -> VoxelizerSettings {
+    VoxelizerSettings { bricks: 1024, bricks_in_view: 1024, ..VoxelizerSettings::default() }
+}
+
+fn voxelizer(gpu: &Gpu, settings: VoxelizerSettings) -> Result<ProgressiveVoxelizer, GpuError> {
+    ProgressiveVoxelizer::new(gpu, grid(), &dense_channels(), settings)
+}
+
+/// A frame of these views, those beyond `injecting` with their depth alone.
+fn frame_of(
+    gpu: &Gpu,
+    volume: &mut ProgressiveVoxelizer,
+    shots: &[&Shot],
+    injecting: usize,
+    changed: &[Bounds],
+) -> Result<FrameDiagnostics, Failed> {
+    volume.update(gpu, changed);
+    let views: Vec<_> = shots
+        .iter()
+        .enumerate()
+        .map(|(n, shot)| {
+            let view = if n < injecting {
+                AttributeView::of(gpu, "test view", &shot.input)
+            } else {
+                AttributeView::cleaning(gpu, "test depth", shot.input.textures.depth.clone())
+            };
+            view.update(gpu, &shot.view, SCALE.attribute_points, volume.frame());
+            view
+        })
+        .collect();
+    run(gpu, |e| volume.record(gpu, e, &views.iter().collect::<Vec<_>>()))?;
+    Ok(volume.diagnostics(gpu, None)?)
+}
+
+fn frame(gpu: &Gpu, volume: &mut ProgressiveVoxelizer, shots: &[&Shot]) -> Result<FrameDiagnostics, Failed> {
+    frame_of(gpu, volume, shots, shots.len(), &[])
+}
+
+fn count(volume: &HostVolume) -> usize {
+    channel(volume, CHANNELS[0]).iter().filter(|v| v.w > 0.0).count()
+}
+
+/// Six frames of one to three random views each, by either rule.
+fn equal_to_dense(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let shots: Vec<_> =
+        RANDOM_SEEDS.chain(ODD_SEEDS).map(|seed| random_shot(gpu, &grid(), seed)).collect::<Result<_, _>>()?;
+    for rule in [CleanupRule::Center, CleanupRule::Footprint] {
+        let (mut compared, mut cleaned) = (0, 0);
+        for (number, run) in shots.chunks_exact(12).step_by(2).enumerate() {
+            let mut dense = World::new(&labs.core, grid())?;
+            let mut bricks = voxelizer(gpu, VoxelizerSettings { cleanup: rule, ..settings() })?;
+            let groups: [&[usize]; 6] = [&[0], &[1, 2], &[3, 4, 5], &[6], &[7, 8, 9], &[10, 11]];
+            for (step, group) in groups.iter().enumerate() {
+                let views: Vec<&Shot> = group.iter().map(|n| &run[*n].1).collect();
+                for view in &views {
+                    dense.clean_by(gpu, rule, view)?;
+                }
+                dense.inject(gpu, &views, None)?;
+                let happened = frame(gpu, &mut bricks, &views)?;
+                let (ours, other) = (bricks.read_back(gpu)?, dense.read(gpu)?);
+                for name in CHANNELS {
+                    let (ours, other) = (channel(&ours, name), channel(&other, name));
+                    for (index, (one, other)) in ours.iter().zip(other).enumerate() {
+                        let cell = grid().cell(index);
+                        let same = one.truncate() == other.truncate();
+                        let occupied = name != CHANNELS[0] || one.w == other.w;
+                        assert!(
+                            same && occupied,
+                            "{rule:?}, run {number}, frame {step}, {cell}: {name} is {one}, dense {other}"
+                        );
+                    }
+                }
+                assert_eq!(happened.occupied as usize, count(&other));
+                assert_eq!(happened.refused, 0);
+                compared += count(&other);
+                cleaned += happened.cleaned;
+            }
+        }
+        eprintln!("bricks, {rule:?}: {compared} occupied cells are the dense form's, {cleaned} were cleaned");
+        assert!(compared > 10_000 && cleaned > 500, "the views show too little");
+    }
+    Ok(())
+}
+
+fn counted(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let mut bricks = voxelizer(gpu, settings())?;
+    let view = views()[0].1;
+    let [with, without] =
+        [&[FLOOR, BALL][..], &[FLOOR]].map(|things: &[Thing]| Shot::take(gpu, view, SIZE, things));
+    let (with, without) = (with?, without?);
+    let first = frame(gpu, &mut bricks, &[&with])?;
+    let cells = bricks.read_cells(gpu)?;
+    assert!(first.occupied > 100 && first.occupied == first.injected && first.occupied == first.new);
+    assert_eq!(first.occupied as usize, cells.len());
+    assert_eq!((first.cleaned, first.died, first.left, first.refused), (0, 0, 0, 0));
+    assert_eq!(first.entered, first.bricks);
+    let again = frame(gpu, &mut bricks, &[&with])?;
+    assert_eq!((again.occupied, again.new, again.cleaned, again.entered), (first.occupied, 0, 0, 0));
+    assert!(bricks.read_cells(gpu)?.iter().all(|c| c.age == 0 && c.frames == 2));
+    let gone = frame(gpu, &mut bricks, &[&without])?;
+    assert!(gone.cleaned > 50 && gone.new > 0, "{gone:?}");
+    assert_eq!(gone.occupied, again.occupied - gone.cleaned + gone.new);
+    // Bricks that became empty are given back in the next frame.
+    let after = frame(gpu, &mut bricks, &[&without])?;
+    assert!(after.left > 0 && after.bricks < gone.bricks, "{after:?}");
+    assert!(after.bytes > 0 && after.bytes < gone.bytes);
+    Ok(())
+}
+
+fn cleaning_views(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let mut bricks = voxelizer(gpu, settings())?;
+    let [front, above, _] = views().map(|(_, view)| view);
+    let full = Shot::take(gpu, front, SIZE, &[FLOOR, BALL])?;
+    let before = frame(gpu, &mut bricks, &[&full])?;
+    let depth_alone = Shot::take(gpu, above, SIZE, &[FLOOR])?;
+    let after = frame_of(gpu, &mut bricks, &[&depth_alone], 0, &[])?;
+    assert!(after.cleaned > 50 && after.injected == 0, "{after:?}");
+    assert_eq!(after.occupied, before.occupied - after.cleaned);
+    Ok(())
+}
+
+fn boxes(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let view = views()[0].1;
+    let [with, without] = [&[FLOOR, BALL, CHEST][..], &[FLOOR]].map(|t: &[Thing]| Shot::take(gpu, view, SIZE, t));
+    let (with, without) = (with?, without?);
+    let around_chest = Bounds::new(Vec3::new(-2.3, -1.6, -1.8), Vec3::new(-0.7, 0.2, -0.2));
+    let far_away = Bounds::new(Vec3::splat(50.0), Vec3::splat(51.0));
+    let cells_after = |changed: &[Bounds]| -> Result<_, Failed> {
+        let mut bricks = voxelizer(gpu, settings())?;
+        frame(gpu, &mut bricks, &[&with])?;
+        let before: Vec<IVec3> = bricks.read_cells(gpu)?.into_iter().map(|c| c.cell).collect();
+        frame_of(gpu, &mut bricks, &[&without], 0, changed)?;
+        let after: Vec<IVec3> = bricks.read_cells(gpu)?.into_iter().map(|c| c.cell).collect();
+        Ok(before.into_iter().filter(|c| !after.contains(c)).collect::<Vec<_>>())
+    };
+    let everywhere = cells_after(&[])?;
+    let touches = |cell: &IVec3| {
+        let low = grid().origin + grid().cell_size * cell.as_vec3();
+        low.cmple(around_chest.max).all() && (low + grid().cell_size).cmpge(around_chest.min).all()
+    };
+    let mut expected: Vec<_> = everywhere.iter().copied().filter(touches).collect();
+    let mut there = cells_after(&[around_chest, far_away])?;
+    [&mut expected, &mut there].map(|cells| cells.sort_by_key(|c| c.to_array()));
+    assert!(expected.len() > 20 && expected.len() < everywhere.len());
+    assert_eq!(there, expected);
+    assert!(cells_after(&[far_away])?.is_empty());
+    // More than fit become one around all.
+    let many: Vec<_> = (0..100).map(|_| far_away).chain([around_chest]).collect();
+    assert!(cells_after(&many)?.len() >= expected.len());
+    Ok(())
+}
+
+fn age(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let view = views()[0].1;
+    let aged = VoxelizerSettings { max_age: 4, confident: 3, ..settings() };
+    let up = View::orthographic(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.0, 40.0, 0.1), Vec3::X, Vec2::ONE, 10.0);
+    let nothing = Shot::take(gpu, up, UVec2::splat(16), &[])?;
+    let [chest, ball] = [CHEST, BALL].map(|thing| Shot::take(gpu, view, SIZE, &[thing]));
+    let (chest, ball) = (chest?, ball?);
+    // The chest in three frames, the ball in one of them.
+    let both = Shot::take(gpu, view, SIZE, &[CHEST, BALL])?;
+    let mut bricks = voxelizer(gpu, aged)?;
+    for shot in [&chest, &chest, &both] {
+        frame(gpu, &mut bricks, &[shot])?;
+    }
+    let all = bricks.read_cells(gpu)?.len();
+    let mut died = Vec::new();
+    for _ in 0..8 {
+        let cells = bricks.read_cells(gpu)?;
+        let expected = cells.iter().filter(|c| c.age + 1 > aged.max_age && c.frames < aged.confident).count();
+        let happened = frame(gpu, &mut bricks, &[&nothing])?;
+        assert_eq!((happened.died as usize, happened.cleaned), (expected, 0));
+        died.push(expected);
+    }
+    let left = bricks.read_cells(gpu)?;
+    assert!(died[..3] == [0; 3] && died[4] > 30 && died[5..] == [0; 3], "{died:?}");
+    assert!(left.len() > 30 && left.len() == all - died.iter().sum::<usize>());
+    assert!(left.iter().all(|c| c.frames == 3 && c.age == 8), "cells seen in few frames are left");
+    // Within boxes alone.
+    let mut bricks = voxelizer(gpu, aged)?;
+    let far_away = Bounds::new(Vec3::splat(50.0), Vec3::splat(51.0));
+    frame(gpu, &mut bricks, &[&ball])?;
+    for _ in 0..8 {
+        assert_eq!(frame_of(gpu, &mut bricks, &[&nothing], 1, &[far_away])?.died, 0);
+    }
+    Ok(())
+}
+
+fn turns(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let view = views()[0].1;
+    let [with, without] = [&[FLOOR, BALL][..], &[FLOOR]].map(|t: &[Thing]| Shot::take(gpu, view, SIZE, t));
+    let (with, without) = (with?, without?);
+    let cleaned = |split: u32| -> Result<Vec<u32>, Failed> {
+        let mut bricks = voxelizer(gpu, VoxelizerSettings { clean_split: split, ..settings() })?;
+        frame(gpu, &mut bricks, &[&with])?;
+        (0..6).map(|_| Ok(frame_of(gpu, &mut bricks, &[&without], 0, &[])?.cleaned)).collect()
+    };
+    let at_once = cleaned(1)?;
+    let in_turns = cleaned(4)?;
+    assert!(at_once[0] > 50 && at_once[1..].iter().all(|n| *n == 0), "{at_once:?}");
+    assert_eq!(in_turns.iter().sum::<u32>(), at_once[0]);
+    assert!(in_turns[..4].iter().filter(|n| **n > 0).count() >= 3 && in_turns[4..] == [0, 0], "{in_turns:?}");
+    Ok(())
+}
+
+/// Cells of the world, with the channels they hold.
+fn world_cells(gpu: &Gpu, volume: &ProgressiveVoxelizer) -> Result<Vec<(IVec3, Vec<Vec4>)>, GpuError> {
+    let mut cells: Vec<_> = volume.read_cells(gpu)?.into_iter().map(|c| (c.cell, c.values)).collect();
+    cells.sort_by_key(|(cell, _)| cell.to_array());
+    Ok(cells)
+}
+
+/// A window of half the size goes round over the floor and comes back, while nothing is seen: then it is moved with everything seen.
+fn moving_window(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let window = Grid { dims: UVec3::new(12, 16, 12), ..grid() };
+    let make = || ProgressiveVoxelizer::new(gpu, window, &dense_channels(), settings());
+    let up = View::orthographic(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.0, 40.0, 0.1), Vec3::X, Vec2::ONE, 10.0);
+    let nothing = Shot::take(gpu, up, UVec2::splat(16), &[])?;
+    let shot = Shot::take(gpu, views()[0].1, SIZE, &[FLOOR, BALL, CHEST])?;
+    let half = 0.5 * window.dims.as_vec3() * window.cell_size;
+    let mut moving = make()?;
+    frame(gpu, &mut moving, &[&shot])?;
+    let before = world_cells(gpu, &moving)?;
+    assert!(before.len() > 60, "{} cells", before.len());
+    // One brick along x and z: what stays is what lies in both windows.
+    moving.follow(window.origin + half + Vec3::new(1.1, 0.0, 0.9));
+    frame(gpu, &mut moving, &[&nothing])?;
+    assert_eq!(moving.grid().origin, window.origin + Vec3::new(1.0, 0.0, 1.0));
+    let stays = |cell: IVec3| cell.x >= 4 && cell.z >= 4;
+    let expected: Vec<_> = before.iter().filter(|(cell, _)| stays(*cell)).cloned().collect();
+    assert!(expected.len() > 20 && expected.len() < before.len());
+    assert!(world_cells(gpu, &moving)? == expected, "what stays in the window is not kept");
+    // Seen from the new place it is what a volume that was always there holds.
+    let place = moving.grid();
+    for (step, aside) in [Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), Vec3::new(-3.0, 0.0, 2.0), Vec3::new(90.0, 0.0, 0.0)]
+        .into_iter()
+        .enumerate()
+    {
+        moving.follow(place.origin + half + aside);
+        frame(gpu, &mut moving, &[&shot])?;
+        let mut fixed = ProgressiveVoxelizer::new(gpu, moving.grid(), &dense_channels(), settings())?;
+        frame(gpu, &mut fixed, &[&shot])?;
+        let (one, other) = (moving.read_back(gpu)?, fixed.read_back(gpu)?);
+        for name in CHANNELS {
+            assert!(channel(&one, name) == channel(&other, name), "step {step}: {name}");
+        }
+    }
+    assert_eq!(moving.read_cells(gpu)?.len(), 0, "a window far away is empty");
+    Ok(())
+}
+
+fn no_room(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let shot = Shot::take(gpu, views()[0].1, SIZE, &[FLOOR, BALL, CHEST])?;
+    let undrawn = Shot::take(gpu, views()[0].1, SIZE, &[])?;
+    for few in [
+        VoxelizerSettings { bricks: 5, ..settings() },
+        VoxelizerSettings { bricks_in_view: 5, ..settings() },
+    ] {
+        let mut bricks = voxelizer(gpu, few)?;
+        for _ in 0..3 {
+            let full = frame(gpu, &mut bricks, &[&shot])?;
+            assert!(full.refused > 0 && full.occupied > 0, "{full:?}");
+            assert!(full.bricks <= few.bricks);
+        }
+    }
+    let mut bricks = voxelizer(gpu, VoxelizerSettings { bricks: 100, ..settings() })?;
+    let mut found = Vec::new();
+    for _ in 0..4 {
+        found.push(frame(gpu, &mut bricks, &[&shot])?.occupied);
+        // Everything is seen to be gone, whole cells of it: what reaches out of the picture stays.
+        frame(gpu, &mut bricks, &[&undrawn])?;
+    }
+    assert!(found.iter().all(|n| *n == found[0]), "room is lost: {found:?}");
+    Ok(())
+}
+
+fn makes_nothing(labs: &Labs) -> Result<(), Failed> {
+    let gpu = Gpu::new_blocking(&Default::default(), Tier::Core)?;
+    let shot = Shot::take(&gpu, views()[0].1, SIZE, &[FLOOR])?;
+    let mut bricks = voxelizer(&gpu, settings())?;
+    let view = AttributeView::of(&gpu, "test view", &shot.input).with_pattern(InjectionPattern::Stippled, 3);
+    let mut made = Vec::new();
+    for _ in 0..6 {
+        bricks.update(&gpu, &[]);
+        view.update(&gpu, &shot.view, SCALE.attribute_points, bricks.frame());
+        run(&gpu, |e| bricks.record(&gpu, e, &[&view]))?;
+        made.push(gpu.created_objects());
+    }
+    assert!(made[1..].iter().all(|n| *n == made[0]), "{made:?}");
+    Ok(())
+}
+
+fn channels(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let shot = Shot::take(gpu, views()[0].1, SIZE, &[FLOOR, BALL])?;
+    let textures = &shot.input.textures;
+    for count in [1, 4, 8] {
+        // The same picture again and again, first with a sign.
+        let kinds = (0..count).map(|n| match n {
+            0 => AttributeKind::Signed(2.0),
+            1 => AttributeKind::Normal,
+            _ => AttributeKind::Color(n as f32),
+        });
+        let channels: Vec<_> =
+            kinds.enumerate().map(|(n, kind)| AttributeChannel::new(&format!("c{n}"), kind)).collect();
+        let mut bricks = ProgressiveVoxelizer::new(gpu, grid(), &channels, settings())?;
+        let pictures = (0..count).filter(|n| *n != 1).map(|n| match n {
+            0 => textures.normal.clone(),
+            _ => textures.albedo.clone(),
+        });
+        let view = AttributeView::new(
+            gpu,
+            "test view",
+            textures.depth.clone(),
+            textures.normal.clone(),
+            pictures.collect(),
+            SIZE,
+        );
+        bricks.update(gpu, &[]);
+        view.update(gpu, &shot.view, SCALE.attribute_points, bricks.frame());
+        run(gpu, |e| bricks.record(gpu, e, &[&view]))?;
+        let cells = bricks.read_cells(gpu)?;
+        assert!(cells.len() > 100, "{count} channels: {} cells", cells.len());
+        for cell in &cells {
+            assert_eq!(cell.values.len(), count);
+            let near = |a: Vec4, b: Vec4| (a - b).truncate().abs().max_element() < 2e-3;
+            if count > 1 {
+                assert!(near(cell.values[0], cell.values[1]), "{cell:?}");
+            }
+            assert!(cell.values.iter().skip(3).all(|v| near(*v, cell.values[2])), "{cell:?}");
+        }
+    }
+    assert!(ProgressiveVoxelizer::new(gpu, grid(), &[], settings()).is_err());
+    let nine = vec![AttributeChannel::new("n", AttributeKind::Normal); 9];
+    assert!(ProgressiveVoxelizer::new(gpu, grid(), &nine, settings()).is_err());
+    Ok(())
+}
