@@ -3,6 +3,7 @@
 mod light;
 mod models;
 mod plot;
+mod progressive;
 mod report;
 mod timing;
 mod visibility;
@@ -40,6 +41,8 @@ enum BenchName {
     Voxelizers,
     /// Indirect light against path-traced references.
     Light,
+    /// Volumes kept up from views: their cells against the truth, and what they cost.
+    Progressive,
     /// Visibility fields: errors, rays per second, occlusion and soft shadows.
     Visibility,
 }
@@ -59,6 +62,12 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
                 let mut report = Report::new(&args.out, "light", "Indirect light")?;
                 report.say(&timing::words(&gpu, args.quick));
                 light::run(&gpu, args.quick, &mut report)?;
+                report.write()?;
+            }
+            BenchName::Progressive => {
+                let mut report = Report::new(&args.out, "progressive", "Progressive voxelization")?;
+                report.say(&timing::words(&gpu, args.quick));
+                progressive::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
                 report.write()?;
             }
             BenchName::Visibility => {

@@ -30,8 +30,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The channels of the dense form.
 fn dense_channels() -> Vec<AttributeChannel> {
-    let kinds =
-        [AttributeKind::Normal, AttributeKind::Color(1.0), AttributeKind::Color(SCALE.radiance_max)];
+    let kinds = [AttributeKind::Normal, AttributeKind::Color(1.0), AttributeKind::Color(SCALE.radiance_max)];
     CHANNELS.iter().zip(kinds).map(|(name, kind)| AttributeChannel::new(name, kind)).collect()
 }
 
@@ -80,8 +79,10 @@ fn count(volume: &HostVolume) -> usize {
 /// Six frames of one to three random views each, by either rule.
 fn equal_to_dense(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
-    let shots: Vec<_> =
-        RANDOM_SEEDS.chain(ODD_SEEDS).map(|seed| random_shot(gpu, &grid(), seed)).collect::<Result<_, _>>()?;
+    let shots: Vec<_> = RANDOM_SEEDS
+        .chain(ODD_SEEDS)
+        .map(|seed| random_shot(gpu, &grid(), seed))
+        .collect::<Result<_, _>>()?;
     for rule in [CleanupRule::Center, CleanupRule::Footprint] {
         let (mut compared, mut cleaned) = (0, 0);
         for (number, run) in shots.chunks_exact(12).step_by(2).enumerate() {
@@ -162,7 +163,8 @@ fn cleaning_views(labs: &Labs) -> Result<(), Failed> {
 fn boxes(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let view = views()[0].1;
-    let [with, without] = [&[FLOOR, BALL, CHEST][..], &[FLOOR]].map(|t: &[Thing]| Shot::take(gpu, view, SIZE, t));
+    let [with, without] =
+        [&[FLOOR, BALL, CHEST][..], &[FLOOR]].map(|t: &[Thing]| Shot::take(gpu, view, SIZE, t));
     let (with, without) = (with?, without?);
     let around_chest = Bounds::new(Vec3::new(-2.3, -1.6, -1.8), Vec3::new(-0.7, 0.2, -0.2));
     let far_away = Bounds::new(Vec3::splat(50.0), Vec3::splat(51.0));
@@ -195,7 +197,8 @@ fn age(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let view = views()[0].1;
     let aged = VoxelizerSettings { max_age: 4, confident: 3, ..settings() };
-    let up = View::orthographic(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.0, 40.0, 0.1), Vec3::X, Vec2::ONE, 10.0);
+    let up =
+        View::orthographic(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.0, 40.0, 0.1), Vec3::X, Vec2::ONE, 10.0);
     let nothing = Shot::take(gpu, up, UVec2::splat(16), &[])?;
     let [chest, ball] = [CHEST, BALL].map(|thing| Shot::take(gpu, view, SIZE, &[thing]));
     let (chest, ball) = (chest?, ball?);
@@ -258,7 +261,8 @@ fn moving_window(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let window = Grid { dims: UVec3::new(12, 16, 12), ..grid() };
     let make = || ProgressiveVoxelizer::new(gpu, window, &dense_channels(), settings());
-    let up = View::orthographic(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.0, 40.0, 0.1), Vec3::X, Vec2::ONE, 10.0);
+    let up =
+        View::orthographic(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.0, 40.0, 0.1), Vec3::X, Vec2::ONE, 10.0);
     let nothing = Shot::take(gpu, up, UVec2::splat(16), &[])?;
     let shot = Shot::take(gpu, views()[0].1, SIZE, &[FLOOR, BALL, CHEST])?;
     let half = 0.5 * window.dims.as_vec3() * window.cell_size;
@@ -276,9 +280,10 @@ fn moving_window(labs: &Labs) -> Result<(), Failed> {
     assert!(world_cells(gpu, &moving)? == expected, "what stays in the window is not kept");
     // Seen from the new place it is what a volume that was always there holds.
     let place = moving.grid();
-    for (step, aside) in [Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), Vec3::new(-3.0, 0.0, 2.0), Vec3::new(90.0, 0.0, 0.0)]
-        .into_iter()
-        .enumerate()
+    for (step, aside) in
+        [Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), Vec3::new(-3.0, 0.0, 2.0), Vec3::new(90.0, 0.0, 0.0)]
+            .into_iter()
+            .enumerate()
     {
         moving.follow(place.origin + half + aside);
         frame(gpu, &mut moving, &[&shot])?;
@@ -297,10 +302,9 @@ fn no_room(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let shot = Shot::take(gpu, views()[0].1, SIZE, &[FLOOR, BALL, CHEST])?;
     let undrawn = Shot::take(gpu, views()[0].1, SIZE, &[])?;
-    for few in [
-        VoxelizerSettings { bricks: 5, ..settings() },
-        VoxelizerSettings { bricks_in_view: 5, ..settings() },
-    ] {
+    for few in
+        [VoxelizerSettings { bricks: 5, ..settings() }, VoxelizerSettings { bricks_in_view: 5, ..settings() }]
+    {
         let mut bricks = voxelizer(gpu, few)?;
         for _ in 0..3 {
             let full = frame(gpu, &mut bricks, &[&shot])?;

@@ -73,17 +73,36 @@ impl ProgressiveVoxelizer {
         })
     }
 
+    /// The numbers of the occupied cells, as [`BrickCell::cell`], in no order. Waits.
+    pub fn read_occupied(&self, gpu: &Gpu) -> Result<Vec<IVec3>, GpuError> {
+        Ok(self.read_places(gpu)?.into_iter().map(|(cell, _)| cell).collect())
+    }
+
     /// The occupied cells with their values, in no order. Waits.
     pub fn read_cells(&self, gpu: &Gpu) -> Result<Vec<BrickCell>, GpuError> {
+        let values: Vec<[f16; 4]> = read_buffer(gpu, &self.store.values)?;
+        let shown: Vec<u32> = read_buffer(gpu, &self.store.shown)?;
+        let channels = self.channels.len();
+        let cell = |(cell, index): (IVec3, usize)| BrickCell {
+            cell,
+            values: values[index * channels..(index + 1) * channels]
+                .iter()
+                .map(|v| Vec4::from_array(v.map(f16::to_f32)))
+                .collect(),
+            age: self.frame.wrapping_sub(shown[index]) & 0xff_ffff,
+            frames: shown[index] >> 24,
+        };
+        Ok(self.read_places(gpu)?.into_iter().map(cell).collect())
+    }
+
+    /// The occupied cells, and where they stand among the cells of all slots.
+    fn read_places(&self, gpu: &Gpu) -> Result<Vec<(IVec3, usize)>, GpuError> {
         let counters: Vec<u32> = read_buffer(gpu, &self.store.counters)?;
         let lists: Vec<u32> = read_buffer(gpu, &self.store.lists)?;
         let headers: Vec<u32> = read_buffer(gpu, &self.store.headers)?;
-        let values: Vec<[f16; 4]> = read_buffer(gpu, &self.store.values)?;
-        let shown: Vec<u32> = read_buffer(gpu, &self.store.shown)?;
-        let side = self.side() as usize;
-        let start = side * self.settings.bricks as usize;
-        let listed = &lists[start..start + (counters[side] as usize).min(self.settings.bricks as usize)];
-        let mut cells = Vec::new();
+        let (side, room) = (self.side() as usize, self.settings.bricks as usize);
+        let listed = &lists[side * room..side * room + (counters[side] as usize).min(room)];
+        let mut places = Vec::new();
         for slot in listed.iter().map(|slot| *slot as usize) {
             let header = &headers[slot * HEADER..(slot + 1) * HEADER];
             let corner = IVec3::from_array([0, 1, 2].map(|axis| header[axis] as i32 * BRICK_SIDE as i32));
@@ -92,18 +111,11 @@ impl ProgressiveVoxelizer {
                     continue;
                 }
                 let place = UVec3::new(number, number / BRICK_SIDE, number / (BRICK_SIDE * BRICK_SIDE));
-                let index = slot * BRICK_CELLS as usize + number as usize;
-                let channels = self.channels.len();
-                let values = &values[index * channels..(index + 1) * channels];
-                cells.push(BrickCell {
-                    cell: corner + (place % BRICK_SIDE).as_ivec3(),
-                    values: values.iter().map(|v| Vec4::from_array(v.map(f16::to_f32))).collect(),
-                    age: self.frame.wrapping_sub(shown[index]) & 0xff_ffff,
-                    frames: shown[index] >> 24,
-                });
+                let cell = corner + (place % BRICK_SIDE).as_ivec3();
+                places.push((cell, slot * BRICK_CELLS as usize + number as usize));
             }
         }
-        Ok(cells)
+        Ok(places)
     }
 
     /// The window as a volume in memory, with empty cells zero. Waits.

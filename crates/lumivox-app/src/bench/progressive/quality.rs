@@ -1,0 +1,362 @@
+//! Table 6.2 (dissertation: Table 9) and Figure 6.10 (76): how far cells are from the surface, which of them are missing, and which
+//! are lost again.
+
+use std::collections::HashSet;
+
+use anyhow::Result;
+use glam::{DVec3, UVec2, UVec3, Vec3};
+use lumivox::VolumeBuffer;
+use lumivox::core::{Grid, TriangleView};
+use lumivox::gpu::{Gpu, read_texture};
+use lumivox::progressive::{CHANNELS, CleanupRule, Progressive, SinglePass};
+use lumivox::volume::NORMAL;
+use lumivox_oracle::distance;
+use lumivox_oracle::voxels::{Coverage, VoxelSet};
+
+use super::rig::{Bricks, Rig, orbit, three_channels};
+use crate::bench::models::Subject;
+use crate::bench::plot::{Plot, Series};
+use crate::bench::report::{Report, Row};
+use crate::bench::timing::Timer;
+
+/// How far a cell may lie beyond the surface, in cells a side: points are moved against their normal by that, and single precision
+/// places them to 1/1000.
+const BEYOND: f64 = 1.0 / 64.0 + 1e-3;
+
+/// What the papers' Table 6.2 has: sides, progressive voxelization, full voxelization.
+const PAPER: [(&str, [(u32, f64, Option<f64>); 3]); 2] = [
+    ("Bunny", [(64, 0.3289, Some(0.2168)), (128, 0.1694, Some(0.1091)), (256, 0.1064, None)]),
+    ("Dragon", [(64, 0.3621, Some(0.2565)), (128, 0.1878, Some(0.1289)), (256, 0.1256, Some(0.0645))]),
+];
+
+/// A form of progressive voxelization that is fed with the same views as the others.
+enum Form {
+    Bricks(Box<Bricks>),
+    SinglePass(Box<(SinglePass, VolumeBuffer, lumivox::progressive::DirectLight)>),
+}
+
+/// A form on one grid, and what became of it.
+struct Run {
+    name: &'static str,
+    form: Form,
+    /// Occupied cells after each frame, and the share of those before it that were cleared.
+    occupied: Vec<u32>,
+    lost: Vec<f64>,
+}
+
+impl Run {
+    fn cells(&self, gpu: &Gpu, grid: &Grid) -> Result<Vec<UVec3>> {
+        Ok(match &self.form {
+            Form::Bricks(bricks) => {
+                bricks.voxelizer.read_occupied(gpu)?.iter().map(|c| c.as_uvec3()).collect()
+            }
+            Form::SinglePass(single) => {
+                let volume = single.1.read_back(gpu)?;
+                let normals = volume.channel(NORMAL).unwrap_or_default();
+                grid.cells().filter(|c| normals[grid.index(*c)].w > 0.0).collect()
+            }
+        })
+    }
+
+    fn frame(&mut self, timer: &Timer<'_>, rig: &Rig) -> Result<()> {
+        match &mut self.form {
+            Form::Bricks(bricks) => {
+                let before = self.occupied.last().copied().unwrap_or_default();
+                let happened = bricks.frame(timer, rig)?;
+                anyhow::ensure!(happened.refused == 0, "{}: bricks found no room: {happened:?}", self.name);
+                self.occupied.push(happened.occupied);
+                if before > 0 {
+                    self.lost.push(f64::from(happened.cleaned) / f64::from(before));
+                }
+            }
+            Form::SinglePass(single) => {
+                let (single, volume, light) = &mut **single;
+                timer.submit(|e| {
+                    single.record_begin(e, light);
+                    single.record_camera(timer.gpu, e, &rig.camera.input, volume, light)
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The cells of a grid that depth samples of all views so far lie in.
+struct Hit {
+    grid: Grid,
+    cells: HashSet<UVec3>,
+}
+
+/// The surface points that a picture shows.
+fn samples(gpu: &Gpu, rig: &Rig, size: UVec2) -> Result<Vec<DVec3>> {
+    let depth: Vec<f32> = read_texture(gpu, &rig.camera.input.textures.depth)?;
+    let world_from_clip = rig.camera.view.clip_from_world.as_dmat4().inverse();
+    let drawn = depth.into_iter().enumerate().filter(|(_, depth)| *depth > 0.0);
+    Ok(drawn
+        .map(|(n, depth)| {
+            let texel = DVec3::new(f64::from(n as u32 % size.x), f64::from(n as u32 / size.x), 0.0) + 0.5;
+            let (x, y) = (2.0 * texel.x / f64::from(size.x) - 1.0, 1.0 - 2.0 * texel.y / f64::from(size.y));
+            world_from_clip.project_point3(DVec3::new(x, y, f64::from(depth)))
+        })
+        .collect())
+}
+
+/// All triangles of a scene in one list.
+pub(super) fn soup(subject: &Subject) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let (mut positions, mut indices) = (Vec::new(), Vec::new());
+    for instance in &subject.scene.instances {
+        let mesh = &subject.scene.meshes[instance.mesh];
+        let first = positions.len() as u32;
+        let placed =
+            mesh.positions.iter().map(|p| instance.world_from_local.transform_point3(Vec3::from(*p)));
+        positions.extend(placed.map(|p| p.to_array()));
+        indices.extend(mesh.indices.iter().map(|t| t.map(|n| n + first)));
+    }
+    (positions, indices)
+}
+
+/// Mean distance of cells' centres from the mesh in percent of its diagonal.
+fn distance_percent(grid: &Grid, cells: &[UVec3], mesh: TriangleView<'_>) -> Result<f64> {
+    let centers: Vec<Vec3> = cells.iter().map(|c| grid.center(*c)).collect();
+    let diagonal = f64::from(mesh.bounds().size().length());
+    Ok(distance::points_to_mesh(&centers, mesh)?.percent_of(diagonal).mean)
+}
+
+/// Bunny and dragon, as far as they are there.
+pub(super) fn table(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report: &mut Report) -> Result<()> {
+    report.head("Table 6.2: distance, missing cells and strays");
+    let steps = if quick { 6 } else { 16 };
+    let sides: &[u32] = if quick { &[32, 64] } else { &[64, 128, 256] };
+    let size = UVec2::splat(if quick { 256 } else { 640 });
+    report.say(&format!(
+        "The camera goes once round each axis, {steps} frames each, with {} x {} texels, all injected. *Distance* is the mean of \
+         that from occupied cells' centres to the mesh, in percent of the diagonal of its box, as in the papers' Table 6.2, whose \
+         numbers stand in parentheses. It does not see what is missing. So *recall* is the share of the `thin` cells that at least one \
+         texel of one frame lies in, and *strays* are cells that do not touch the mesh even when they are 1/64 cell larger on each side, \
+         by which points are moved against their normal. *Lost* is the share of the occupied cells that a frame clears, on average over the frames: \
+         the model stands still, so that all of them are good. Footprint is the default rule, center the papers'.",
+        size.x, size.y,
+    ));
+    let mut lines = Vec::new();
+    for subject in subjects {
+        let (positions, indices) = soup(subject);
+        let mesh = TriangleView { positions: &positions, indices: &indices };
+        let views = orbit(&subject.bounds, steps);
+        let mut rig = Rig::new(timer.gpu, &subject.scene, size)?;
+        let grids: Vec<Grid> = sides.iter().map(|side| subject.grid(*side)).collect::<Result<_>>()?;
+        let mut runs: Vec<Vec<Run>> = Vec::new();
+        for grid in &grids {
+            runs.push(forms(timer.gpu, &rig, *grid, size)?);
+        }
+        let mut hits: Vec<Hit> = grids.iter().map(|g| Hit { grid: *g, cells: HashSet::new() }).collect();
+        let mut curve = Curve::default();
+        for (number, view) in views.iter().enumerate() {
+            rig.look(timer.gpu, *view);
+            rig.draw(timer)?;
+            let points = samples(timer.gpu, &rig, size)?;
+            for hit in &mut hits {
+                let to_cell = |p: &DVec3| hit.grid.cell_from_world(p.as_vec3());
+                hit.cells.extend(points.iter().filter_map(to_cell));
+            }
+            for run in runs.iter_mut().flatten() {
+                run.frame(timer, &rig)?;
+            }
+            // The middle grid's curve, which is the papers'.
+            let is_shown = number < 4 || number % 4 == 3;
+            if let (true, Some(run)) = (is_shown, runs[1].first()) {
+                curve.add(number, &run.cells(timer.gpu, &grids[1])?, &grids[1], mesh)?;
+            }
+        }
+        for ((side, (grid, hit)), runs) in sides.iter().zip(grids.iter().zip(&hits)).zip(&runs) {
+            let thin = VoxelSet::of(*grid, mesh, Coverage::Thin);
+            let exact = VoxelSet::with_margin(*grid, mesh, Coverage::Exact, 2.0 * BEYOND);
+            let hit: Vec<UVec3> = thin.cells().filter(|c| hit.cells.contains(c)).collect();
+            let case = Case { subject, side: *side, grid, mesh, exact: &exact, hit: &hit };
+            for run in runs {
+                lines.push(case.line(timer.gpu, run, report)?);
+            }
+            let exact_cells: Vec<UVec3> = exact.cells().collect();
+            for (name, cells) in [("thin", thin.cells().collect::<Vec<_>>()), ("exact", exact_cells)] {
+                lines.push(case.triangles(name, &cells, report)?);
+            }
+        }
+        curve.plot(subject, sides[1], report)?;
+        losses(subject, sides, &runs, report)?;
+    }
+    let header = ["model", "cells", "form", "distance", "recall", "strays", "occupied", "lost"];
+    report.table(&header.map(str::to_owned), &lines);
+    Ok(())
+}
+
+fn forms(gpu: &Gpu, rig: &Rig, grid: Grid, size: UVec2) -> Result<Vec<Run>> {
+    let run = |name, form| Run { name, form, occupied: Vec::new(), lost: Vec::new() };
+    let mut runs = Vec::new();
+    for (name, rule) in [("footprint", CleanupRule::Footprint), ("center", CleanupRule::Center)] {
+        let bricks = Bricks::new(gpu, rig, grid, &three_channels(), size, rule)?;
+        runs.push(run(name, Form::Bricks(Box::new(bricks))));
+    }
+    if grid.dims.max_element() <= 128 {
+        let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
+        let single = (SinglePass::new(gpu, &volume)?, Progressive::direct_light(gpu, &volume)?);
+        runs.push(run("single pass", Form::SinglePass(Box::new((single.0, volume, single.1)))));
+    }
+    Ok(runs)
+}
+
+/// A model on a grid, with the truth about it.
+struct Case<'a> {
+    subject: &'a Subject,
+    side: u32,
+    grid: &'a Grid,
+    mesh: TriangleView<'a>,
+    exact: &'a VoxelSet,
+    hit: &'a [UVec3],
+}
+
+impl Case<'_> {
+    fn row(&self, metric: String, value: f64, unit: &'static str, paper: Option<f64>, note: &str) -> Row {
+        let case = format!("{}, {}", self.subject.name, self.side);
+        Row { figure: "Table 6.2", case, metric, value, unit, paper, note: note.to_owned() }
+    }
+
+    fn paper(&self) -> Option<(f64, Option<f64>)> {
+        let (_, rows) = PAPER.iter().find(|(name, _)| *name == self.subject.name)?;
+        rows.iter().find(|(side, ..)| *side == self.side).map(|(_, own, full)| (*own, *full))
+    }
+
+    fn line(&self, gpu: &Gpu, run: &Run, report: &mut Report) -> Result<Vec<String>> {
+        let cells = run.cells(gpu, self.grid)?;
+        let found: HashSet<UVec3> = cells.iter().copied().collect();
+        let recall =
+            self.hit.iter().filter(|c| found.contains(c)).count() as f64 / self.hit.len().max(1) as f64;
+        let strays = cells.iter().filter(|c| !self.exact.verdict(**c).possibly).count();
+        let percent = distance_percent(self.grid, &cells, self.mesh)?;
+        let lost = 100.0 * run.lost.iter().sum::<f64>() / run.lost.len().max(1) as f64;
+        let is_default = run.name == "footprint";
+        let [of_recall, of_strays] = if is_default {
+            ["recall of thin".to_owned(), "cells outside exact".to_owned()]
+        } else {
+            [format!("recall, {}", run.name), format!("strays, {}", run.name)]
+        };
+        let paper = self.paper().filter(|_| is_default).map(|(own, _)| own);
+        let note = "of the thin cells that a texel of a view lies in";
+        report.push(self.row(of_recall, recall, "1", None, note));
+        let note = "cells that do not touch the mesh when 1/64 cell larger on each side";
+        report.push(self.row(of_strays, strays as f64, "1", None, note));
+        report.push(self.row(
+            format!("distance, {}", run.name),
+            percent,
+            "%",
+            paper,
+            "mean, of the diagonal",
+        ));
+        if !run.lost.is_empty() {
+            let note = "of the occupied cells per frame, in a still scene";
+            report.push(self.row(format!("lost, {}", run.name), lost, "%", None, note));
+        }
+        Ok(vec![
+            self.subject.name.clone(),
+            self.side.to_string(),
+            run.name.to_owned(),
+            format!("{percent:.4}{}", paper.map_or(String::new(), |p| format!(" ({p})"))),
+            format!("{recall:.4}"),
+            strays.to_string(),
+            cells.len().to_string(),
+            if run.lost.is_empty() { String::new() } else { format!("{lost:.3} %") },
+        ])
+    }
+
+    fn triangles(&self, name: &str, cells: &[UVec3], report: &mut Report) -> Result<Vec<String>> {
+        let percent = distance_percent(self.grid, cells, self.mesh)?;
+        let paper = self.paper().and_then(|(_, full)| full).filter(|_| name == "thin");
+        report.push(self.row(
+            format!("distance, triangles, {name}"),
+            percent,
+            "%",
+            paper,
+            "mean, of the diagonal",
+        ));
+        let shown = format!("{percent:.4}{}", paper.map_or(String::new(), |p| format!(" ({p})")));
+        let none = String::new;
+        let count = cells.len().to_string();
+        Ok(vec![
+            self.subject.name.clone(),
+            self.side.to_string(),
+            format!("triangles, {name}"),
+            shown,
+            none(),
+            none(),
+            count,
+            none(),
+        ])
+    }
+}
+
+/// Distances after some of the frames.
+#[derive(Default)]
+struct Curve {
+    /// From cells to the mesh.
+    points: Vec<(f64, f64)>,
+    /// The larger of that and the way from the mesh to the nearest cell.
+    both: Vec<(f64, f64)>,
+    /// Points of the mesh.
+    truth: Vec<Vec3>,
+}
+
+impl Curve {
+    fn add(&mut self, frame: usize, cells: &[UVec3], grid: &Grid, mesh: TriangleView<'_>) -> Result<()> {
+        let diagonal = f64::from(mesh.bounds().size().length());
+        if self.truth.is_empty() {
+            self.truth = distance::spread(mesh, 20_000)?;
+        }
+        let centers: Vec<Vec3> = cells.iter().map(|c| grid.center(*c)).collect();
+        if centers.is_empty() {
+            return Ok(());
+        }
+        let frame = frame as f64 + 1.0;
+        let there = distance::points_to_mesh(&centers, mesh)?.percent_of(diagonal).mean;
+        let back = distance::points_to_points(&self.truth, &centers)?.percent_of(diagonal).mean;
+        self.points.push((frame, there));
+        self.both.push((frame, there.max(back)));
+        Ok(())
+    }
+
+    fn plot(self, subject: &Subject, side: u32, report: &mut Report) -> Result<()> {
+        for (metric, points) in [("distance to the mesh", &self.points), ("distance both ways", &self.both)] {
+            for (frame, value) in points {
+                report.push(Row {
+                    figure: "Figure 6.10",
+                    case: format!("{}, {side}, frame {frame}", subject.name),
+                    metric: metric.to_owned(),
+                    value: *value,
+                    unit: "%",
+                    paper: None,
+                    note: "mean, of the diagonal".to_owned(),
+                });
+            }
+        }
+        let series = vec![
+            Series { name: "cells to the mesh".to_owned(), points: self.points },
+            Series { name: "larger of both ways".to_owned(), points: self.both },
+        ];
+        let title = format!("Figure 6.10: {}, {side} cells", subject.name);
+        let stem = format!("distance-{}", subject.name.to_lowercase().replace(' ', "-"));
+        report.plot(&stem, &Plot { title, x: "frames", y: "mean distance, % of the diagonal", series })
+    }
+}
+
+/// Cells that are lost again, frame by frame.
+fn losses(subject: &Subject, sides: &[u32], runs: &[Vec<Run>], report: &mut Report) -> Result<()> {
+    let mut series = Vec::new();
+    for (side, runs) in sides.iter().zip(runs) {
+        for run in runs.iter().filter(|r| !r.lost.is_empty()) {
+            let points = run.lost.iter().enumerate().map(|(n, lost)| (n as f64 + 2.0, 100.0 * lost));
+            // A logarithmic axis has no zero.
+            let points = points.filter(|(_, lost)| *lost > 0.0).collect();
+            series.push(Series { name: format!("{}, {side}", run.name), points });
+        }
+    }
+    let stem = format!("lost-{}", subject.name.to_lowercase().replace(' ', "-"));
+    let title = format!("{}: cells cleared again", subject.name);
+    report.plot(&stem, &Plot { title, x: "frame", y: "% of the occupied cells", series })
+}
