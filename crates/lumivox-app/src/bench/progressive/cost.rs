@@ -1,16 +1,13 @@
 //! Table 6.1 (dissertation: Table 8), Figures 6.8, 73 and 74, and cost against grids, triangles and bytes.
 
 use anyhow::Result;
-use glam::{UVec2, UVec3, Vec3};
-use lumivox::VolumeBuffer;
+use glam::{UVec2, Vec3};
 use lumivox::core::{Grid, View};
-use lumivox::gpu::Gpu;
-use lumivox::progressive::{
-    AttributeChannel, AttributeKind, CHANNELS, CleanupRule, Progressive, SinglePass, ViewInput,
-};
+use lumivox::progressive::{AttributeChannel, AttributeKind, CleanupRule};
 use lumivox::voxelize::{Coverage, Options, Voxelizer};
 
-use super::rig::{Bricks, Rig, orbit, three_channels};
+use super::forms::{Dense, measure_bricks, single_pass};
+use super::rig::{Rig, orbit, three_channels};
 use crate::bench::models::{Subject, ball};
 use crate::bench::plot::{Plot, Series};
 use crate::bench::report::{Report, Row, ms};
@@ -18,8 +15,6 @@ use crate::bench::timing::Timer;
 
 /// Views that fill a volume before it is measured.
 const BEFORE: u32 = 3;
-/// Bytes of a cell's sums in the dense form.
-const SUM_BYTES: u64 = 40;
 
 /// Runs all of it.
 pub(super) fn run(
@@ -37,11 +32,8 @@ pub(super) fn run(
         figure_6_8(timer, hall, quick, report)?;
         report.write()?;
     }
-    let of_table: Vec<_> = bodies
-        .iter()
-        .chain(others)
-        .filter(|s| s.name != "Sponza" && (quick || s.name != "Bunny"))
-        .collect();
+    let of_table: Vec<_> =
+        bodies.iter().chain(others).filter(|s| s.name != "Sponza" && (quick || s.name != "Bunny")).collect();
     table_6_1(timer, &of_table, quick, report)?;
     report.write()?;
     triangles(timer, quick, report)
@@ -64,106 +56,6 @@ fn view_of(subject: &Subject) -> View {
         }
         None => orbit(&subject.bounds, 5)[0],
     }
-}
-
-/// The dense form over a grid, in slabs of layers where its sums do not fit the device.
-struct Dense {
-    cleanup: f64,
-    /// Clearing the sums, and sums to means.
-    rest: f64,
-    injection: f64,
-    slabs: usize,
-}
-
-impl Dense {
-    fn total(&self) -> f64 {
-        self.cleanup + self.rest + self.injection
-    }
-
-    /// Measures it slab by slab, after views that fill it. The points are injected once for each slab; of that the longest time
-    /// alone counts.
-    fn measure(
-        timer: &Timer<'_>,
-        rig: &mut Rig,
-        grid: Grid,
-        points: UVec2,
-        rule: CleanupRule,
-        views: &[View],
-    ) -> Result<Self> {
-        let gpu = timer.gpu;
-        let room = gpu.device.limits().max_storage_buffer_binding_size / SUM_BYTES;
-        let layer = u64::from(grid.dims.x) * u64::from(grid.dims.y);
-        let layers = ((room / layer) as u32).clamp(1, grid.dims.z);
-        let mut all = Self { cleanup: 0.0, rest: 0.0, injection: 0.0, slabs: 0 };
-        for first in (0..grid.dims.z).step_by(layers as usize) {
-            let slab = Grid {
-                origin: grid.origin + Vec3::Z * (first as f32 * grid.cell_size),
-                dims: UVec3::new(grid.dims.x, grid.dims.y, layers.min(grid.dims.z - first)),
-                ..grid
-            };
-            let mut volume = VolumeBuffer::new(gpu, slab, &CHANNELS)?;
-            let mut progressive = Progressive::of_surfaces(gpu, &volume, rule)?;
-            let last = rig.camera.view;
-            for view in views.iter().chain([&last]) {
-                rig.look(gpu, *view);
-                rig.draw(timer)?;
-                let input = input(gpu, rig, points);
-                timer.submit(|e| {
-                    progressive.record_cleanup(gpu, e, &input, &mut volume)?;
-                    progressive.record_begin_surfaces(e);
-                    progressive.record_surfaces(gpu, e, [&input], &volume)?;
-                    progressive.record_end(gpu, e, &input, &mut volume)
-                })?;
-            }
-            let input = input(gpu, rig, points);
-            all.cleanup += timer
-                .median(|| timer.submit(|e| progressive.record_cleanup(gpu, e, &input, &mut volume)))?
-                .ms;
-            let injection =
-                timer.median(|| timer.submit(|e| progressive.record_surfaces(gpu, e, [&input], &volume)))?.ms;
-            all.injection = all.injection.max(injection);
-            all.rest += timer
-                .median(|| {
-                    timer.submit(|e| {
-                        progressive.record_begin_surfaces(e);
-                        progressive.record_end(gpu, e, &input, &mut volume)
-                    })
-                })?
-                .ms;
-            all.slabs += 1;
-        }
-        Ok(all)
-    }
-}
-
-/// The camera's pictures with so many points.
-fn input(gpu: &Gpu, rig: &Rig, points: UVec2) -> ViewInput {
-    let input = ViewInput::new(gpu, "bench", rig.camera.input.textures.clone(), points);
-    input.update(gpu, &rig.camera.view, rig.scale());
-    input
-}
-
-/// Milliseconds of a frame in bricks, after views that fill them, and what it did.
-fn measure_bricks(
-    timer: &Timer<'_>,
-    rig: &mut Rig,
-    grid: Grid,
-    channels: &[AttributeChannel],
-    points: UVec2,
-    rule: CleanupRule,
-    views: &[View],
-) -> Result<(f64, lumivox::progressive::FrameDiagnostics)> {
-    let mut bricks = Bricks::new(timer.gpu, rig, grid, channels, points, rule)?;
-    let last = rig.camera.view;
-    for view in views.iter().chain([&last]) {
-        rig.look(timer.gpu, *view);
-        rig.draw(timer)?;
-        bricks.step(timer, rig)?;
-    }
-    let time = timer.median(|| bricks.step(timer, rig))?.ms;
-    let happened = bricks.voxelizer.diagnostics(timer.gpu, Some(time))?;
-    anyhow::ensure!(happened.refused == 0, "bricks found no room: {happened:?}");
-    Ok((time, happened))
 }
 
 /// Cost against the side of the grid, dense and in bricks, and bytes of the volume.
@@ -320,31 +212,12 @@ fn figure_6_8(timer: &Timer<'_>, subject: &Subject, quick: bool, report: &mut Re
     report.plot("figure-6-8", &Plot { title, x: "cells along the longest side", y: "milliseconds", series })
 }
 
-fn single_pass(timer: &Timer<'_>, rig: &Rig, grid: Grid) -> Result<f64> {
-    let gpu = timer.gpu;
-    let mut volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
-    let mut light = Progressive::direct_light(gpu, &volume)?;
-    let mut single = SinglePass::new(gpu, &volume)?;
-    let time = timer.median(|| {
-        timer.submit(|e| {
-            single.record_begin(e, &mut light);
-            single.record_camera(gpu, e, &rig.camera.input, &mut volume, &mut light)
-        })
-    })?;
-    Ok(time.ms)
-}
-
 /// What Table 8 prints of its scenes at 128 cells: VoxelPipe, geometry slicing, G-buffers and progressive voxelization.
 const TABLE_8: [(&str, [f64; 4]); 2] =
     [("Conference", [5.1, 31.73, 3.2, 0.28]), ("Dragon", [7.5, 198.33, 59.0, 0.18])];
 
 /// Progressive voxelization beside the voxelization of triangles.
-fn table_6_1(
-    timer: &Timer<'_>,
-    subjects: &[&Subject],
-    quick: bool,
-    report: &mut Report,
-) -> Result<()> {
+fn table_6_1(timer: &Timer<'_>, subjects: &[&Subject], quick: bool, report: &mut Report) -> Result<()> {
     report.head("Table 6.1: beside the voxelization of triangles");
     let side = if quick { 64 } else { 128 };
     let size = UVec2::splat(512);

@@ -2,6 +2,7 @@
 //! (dissertation: Tables 8 and 9, Figures 73, 74 and 76), and what they do not measure: missing cells, strays, cells lost again.
 
 mod cost;
+mod forms;
 mod quality;
 mod rig;
 

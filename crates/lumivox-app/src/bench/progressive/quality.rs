@@ -23,8 +23,10 @@ use crate::bench::timing::Timer;
 /// places them to 1/1000.
 const BEYOND: f64 = 1.0 / 64.0 + 1e-3;
 
-/// What the papers' Table 6.2 has: sides, progressive voxelization, full voxelization.
-const PAPER: [(&str, [(u32, f64, Option<f64>); 3]); 2] = [
+/// A line of the papers' Table 6.2: cells a side, distance of progressive and of full voxelization.
+type PaperLine = (u32, f64, Option<f64>);
+
+const PAPER: [(&str, [PaperLine; 3]); 2] = [
     ("Bunny", [(64, 0.3289, Some(0.2168)), (128, 0.1694, Some(0.1091)), (256, 0.1064, None)]),
     ("Dragon", [(64, 0.3621, Some(0.2565)), (128, 0.1878, Some(0.1289)), (256, 0.1256, Some(0.0645))]),
 ];
