@@ -46,6 +46,7 @@ pub mod irradiance;
 pub mod light;
 pub mod lpv;
 pub mod progressive;
+pub mod slicemap;
 pub mod visibility;
 pub mod volume;
 pub mod voxelize;
@@ -66,13 +67,14 @@ pub fn shaders() -> Vec<gpu::Shader> {
         gather::shaders(),
         irradiance::shaders(),
         visibility::shaders(),
+        slicemap::shaders(),
     ]
     .concat()
 }
 
 /// The texts that [`voxelize`] and [`progressive::ProgressiveVoxelizer`] make of some sets of channels, for validation and for reading.
 pub fn generated_texts() -> Vec<gpu::GeneratedText> {
-    [voxelize::texts(), progressive::texts()].concat()
+    [voxelize::texts(), progressive::texts(), slicemap::texts()].concat()
 }
 
 /// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
@@ -114,6 +116,8 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<gather::GlossyUniform>(),
         entry::<irradiance::LumivoxIrradianceUniform>(),
         entry::<voxelize::VoxelLight>(),
+        entry::<slicemap::SlicemapUniform>(),
+        entry::<slicemap::TransmittanceUniform>(),
         entry::<visibility::FieldUniform>(),
         entry::<visibility::ObjectUniform>(),
         entry::<visibility::TileUniform>(),

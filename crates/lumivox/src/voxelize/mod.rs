@@ -58,6 +58,8 @@ mod voxelizer;
 use crate::gpu::GeneratedText;
 use crate::volume::Format;
 
+pub(crate) use text::{mesh_layout, mesh_text};
+
 pub use channel::{Channel, Rule, SurfaceFunction};
 pub use error::VoxelizeError;
 pub use interleaved::Interleaved;

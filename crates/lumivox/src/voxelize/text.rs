@@ -282,6 +282,15 @@ fn resolve_channel(channel: &Channel, offset: u32, name: &str) -> String {
     out
 }
 
+/// The text of group 1, for passes that read meshes by themselves.
+pub(crate) fn mesh_text() -> String {
+    let mut text = String::new();
+    for (name, value) in mesh::FLAGS {
+        let _ = writeln!(text, "const {name}: u32 = {value}u;");
+    }
+    text + MESH
+}
+
 /// What methods have in common: groups 0 to 2, `lv_load_triangle`, `lv_tests`, `lv_marks`, `lv_piece`, `lv_surface_point`,
 /// `lv_fragment`, `lv_accumulate`. A method's own text follows, with its own bindings in group 3.
 ///
@@ -311,7 +320,7 @@ pub(super) fn merge_text(layout: &Layout) -> GeneratedText {
 }
 
 /// The layout of group 1.
-pub(super) fn mesh_layout(gpu: &Gpu) -> Result<wgpu::BindGroupLayout, GpuError> {
+pub(crate) fn mesh_layout(gpu: &Gpu) -> Result<wgpu::BindGroupLayout, GpuError> {
     group_layout(gpu, "voxelize/mesh", MESH, 1)
 }
 

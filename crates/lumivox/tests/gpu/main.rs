@@ -22,6 +22,7 @@ mod progressive;
 mod proof;
 mod random_views;
 mod single_pass;
+mod slicemap;
 mod support;
 mod visibility;
 mod voxelize;
@@ -69,6 +70,7 @@ fn main() -> ExitCode {
         proof::TESTS,
         contract::TESTS,
         single_pass::TESTS,
+        slicemap::TESTS,
     ]
     .concat();
     let trials =

@@ -6,7 +6,7 @@ mod inputs;
 mod laws;
 mod lights;
 mod slices;
-mod soups;
+pub(crate) mod soups;
 mod sweeps;
 
 use crate::Test;

@@ -1,0 +1,141 @@
+//! The pass over the triangles: into the range of each column, or into its bits.
+//!
+//! A pass without a target is not allowed, so there is one of a byte for each column that nothing is written to.
+
+use super::SLICEMAP;
+use super::settings::{SlicemapSettings, SlicemapUniform};
+use crate::gpu::{
+    Buffer, GeneratedText, Gpu, GpuError, Texture, Uniform, bind_group_layouts, made_bind_group, validated,
+};
+use crate::voxelize::{Mesh, mesh_layout, mesh_text};
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+
+/// What a pass writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// The nearest and the farthest surface of each column.
+    Extents,
+    /// The bits.
+    Bits,
+}
+
+/// A pass over the triangles.
+#[derive(Debug)]
+pub(super) struct Draw {
+    name: &'static str,
+    pipeline: wgpu::RenderPipeline,
+    /// One for each kind of bits.
+    groups: Vec<wgpu::BindGroup>,
+    target: Texture,
+    /// Vertices of a triangle.
+    vertices: u32,
+}
+
+impl Draw {
+    pub(super) fn new(
+        gpu: &Gpu,
+        settings: &SlicemapSettings,
+        phase: Phase,
+        (uniforms, bits, extents): (&[Uniform<SlicemapUniform>], &Buffer, &Buffer),
+    ) -> Result<Self, GpuError> {
+        let text = text(phase, settings.conservative);
+        let missing = || GpuError::Binding { pass: text.name, reason: "has no group 0".to_owned() };
+        let own = bind_group_layouts(gpu, &text)?.into_iter().next().flatten().ok_or_else(missing)?;
+        let pipeline = pipeline(gpu, &text, [&own, &mesh_layout(gpu)?])?;
+        let groups = uniforms.iter().map(|uniform| {
+            let resources = [uniform.binding(), bits.binding(), extents.binding()];
+            let entries: Vec<_> = (0..)
+                .zip(resources)
+                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+                .collect();
+            made_bind_group(gpu, text.name, &own, &entries)
+        });
+        Ok(Self {
+            name: text.name,
+            groups: groups.collect::<Result<_, _>>()?,
+            target: Texture::target(gpu, text.name, settings.size.to_array(), FORMAT)?,
+            vertices: if settings.conservative { 6 } else { 3 },
+            pipeline,
+        })
+    }
+
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, meshes: &[(&Mesh, u32)]) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(self.name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.target.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Discard,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        for (mesh, kind) in meshes {
+            let Some(group) = self.groups.get(*kind as usize) else { continue };
+            pass.set_bind_group(0, group, &[]);
+            for (batch, count) in mesh.batches() {
+                pass.set_bind_group(1, batch, &[]);
+                pass.draw(0..self.vertices * count, 0..1);
+            }
+        }
+    }
+}
+
+/// The pass's text.
+pub(super) fn text(phase: Phase, conservative: bool) -> GeneratedText {
+    let name = match phase {
+        Phase::Extents => "slicemap/extents",
+        Phase::Bits => "slicemap/bits",
+    };
+    let head = format!(
+        "const EXTENTS: bool = {};\nconst CONSERVATIVE: bool = {conservative};",
+        phase == Phase::Extents
+    );
+    GeneratedText { name, source: [&mesh_text(), SLICEMAP, &head, include_str!("draw.wgsl")].join("\n") }
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    text: &GeneratedText,
+    groups: [&wgpu::BindGroupLayout; 2],
+) -> Result<wgpu::RenderPipeline, GpuError> {
+    validated(gpu, || {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(text.name),
+            source: wgpu::ShaderSource::Wgsl(text.source.as_str().into()),
+        });
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(text.name),
+            bind_group_layouts: &groups.map(Some),
+            immediate_size: 0,
+        });
+        let nothing =
+            wgpu::ColorTargetState { format: FORMAT, blend: None, write_mask: wgpu::ColorWrites::empty() };
+        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(text.name),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex_main"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment_main"),
+                compilation_options: Default::default(),
+                targets: &[Some(nothing)],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    })
+}
