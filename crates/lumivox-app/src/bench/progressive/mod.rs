@@ -5,6 +5,7 @@ mod cost;
 mod forms;
 mod quality;
 mod rig;
+mod scenes;
 
 use anyhow::Result;
 
@@ -22,6 +23,11 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     );
     quality::table(timer, &bodies, quick, report)?;
     // Long runs are sometimes cut short.
+    report.write()?;
+    scenes::moving(timer, quick, report)?;
+    if let Some(body) = bodies.last() {
+        scenes::normals(timer, body, quick, report)?;
+    }
     report.write()?;
     cost::run(timer, &bodies, &others, quick, report)
 }

@@ -12,6 +12,7 @@ use lumivox::progressive::{CHANNELS, CleanupRule, Progressive, SinglePass};
 use lumivox::volume::NORMAL;
 use lumivox_oracle::distance;
 use lumivox_oracle::voxels::{Coverage, VoxelSet};
+use lumivox_scene::Scene;
 
 use super::rig::{Bricks, Rig, orbit, three_channels};
 use crate::bench::models::Subject;
@@ -21,7 +22,7 @@ use crate::bench::timing::Timer;
 
 /// How far a cell may lie beyond the surface, in cells a side: points are moved against their normal by that, and single precision
 /// places them to 1/1000.
-const BEYOND: f64 = 1.0 / 64.0 + 1e-3;
+pub(super) const BEYOND: f64 = 1.0 / 64.0 + 1e-3;
 
 /// A line of the papers' Table 6.2: cells a side, distance of progressive and of full voxelization.
 type PaperLine = (u32, f64, Option<f64>);
@@ -104,10 +105,10 @@ fn samples(gpu: &Gpu, rig: &Rig, size: UVec2) -> Result<Vec<DVec3>> {
 }
 
 /// All triangles of a scene in one list.
-pub(super) fn soup(subject: &Subject) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub(super) fn soup(scene: &Scene) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
-    for instance in &subject.scene.instances {
-        let mesh = &subject.scene.meshes[instance.mesh];
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh];
         let first = positions.len() as u32;
         let placed =
             mesh.positions.iter().map(|p| instance.world_from_local.transform_point3(Vec3::from(*p)));
@@ -141,7 +142,7 @@ pub(super) fn table(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report
     ));
     let mut lines = Vec::new();
     for subject in subjects {
-        let (positions, indices) = soup(subject);
+        let (positions, indices) = soup(&subject.scene);
         let mesh = TriangleView { positions: &positions, indices: &indices };
         let views = orbit(&subject.bounds, steps);
         let mut rig = Rig::new(timer.gpu, &subject.scene, size)?;

@@ -11,7 +11,7 @@ use lumivox::progressive::{
 use lumivox::wgpu::CommandEncoder;
 use lumivox_render::gpu_scene::GpuScene;
 use lumivox_render::surface::{self, RADIANCE_FORMAT, SurfacePass, SurfaceView};
-use lumivox_scene::Scene;
+use lumivox_scene::{Pose, Scene};
 
 use crate::bench::timing::Timer;
 
@@ -39,6 +39,11 @@ impl Rig {
     pub(super) fn scale(&self) -> InjectionScale {
         let points = self.size.element_product();
         InjectionScale { attribute_points: points, light_points: points, radiance_max: 4.0 }
+    }
+
+    /// Moves the scene.
+    pub(super) fn pose(&self, gpu: &Gpu, pose: &Pose) {
+        self.scene.set_pose(gpu, pose);
     }
 
     /// Looks at the scene from here.
@@ -95,7 +100,11 @@ pub(super) fn three_channels() -> Vec<AttributeChannel> {
 pub(super) struct Bricks {
     pub(super) voxelizer: ProgressiveVoxelizer,
     view: AttributeView,
+    /// A view that only cleans, which stands where its rig does.
+    other: Option<AttributeView>,
     points: u32,
+    grid: Grid,
+    settings: VoxelizerSettings,
 }
 
 impl Bricks {
@@ -129,7 +138,20 @@ impl Bricks {
         let (depth, normal) = (input.depth.clone(), input.normal.clone());
         let view = AttributeView::new(gpu, "bench", depth, normal, pictures, points);
         let voxelizer = ProgressiveVoxelizer::new(gpu, grid, channels, settings)?;
-        Ok(Self { points: view.point_count(), voxelizer, view })
+        Ok(Self { points: view.point_count(), voxelizer, view, other: None, grid, settings })
+    }
+
+    /// The same, in which cells die that few frames have shown.
+    pub(super) fn mortal(self, gpu: &Gpu, max_age: u32, confident: u32) -> Result<Self> {
+        let settings = VoxelizerSettings { max_age, confident, ..self.settings };
+        let voxelizer = ProgressiveVoxelizer::new(gpu, self.grid, self.voxelizer.channels(), settings)?;
+        Ok(Self { voxelizer, settings, ..self })
+    }
+
+    /// The same with a second view that only cleans.
+    pub(super) fn with_other(self, gpu: &Gpu, rig: &Rig) -> Self {
+        let depth = rig.camera.input.textures.depth.clone();
+        Self { other: Some(AttributeView::cleaning(gpu, "bench, second view", depth)), ..self }
     }
 
     /// A frame of what the camera sees.
@@ -140,8 +162,19 @@ impl Bricks {
 
     /// The same without asking what happened.
     pub(super) fn step(&mut self, timer: &Timer<'_>, rig: &Rig) -> Result<()> {
-        self.voxelizer.update(timer.gpu, &[]);
-        self.view.update(timer.gpu, &rig.camera.view, self.points, self.voxelizer.frame());
-        timer.submit(|e| self.voxelizer.record(timer.gpu, e, &[&self.view]))
+        self.step_with(timer, rig, None)
+    }
+
+    /// The same with where the second view stands.
+    pub(super) fn step_with(&mut self, timer: &Timer<'_>, rig: &Rig, other: Option<&Rig>) -> Result<()> {
+        let Self { voxelizer, view, other: second, points, .. } = self;
+        voxelizer.update(timer.gpu, &[]);
+        view.update(timer.gpu, &rig.camera.view, *points, voxelizer.frame());
+        let mut views = vec![&*view];
+        if let (Some(second), Some(other)) = (&*second, other) {
+            second.update(timer.gpu, &other.camera.view, *points, voxelizer.frame());
+            views.push(second);
+        }
+        timer.submit(|e| voxelizer.record(timer.gpu, e, &views))
     }
 }
