@@ -237,16 +237,28 @@ fn turns(labs: &Labs) -> Result<(), Failed> {
     let view = views()[0].1;
     let [with, without] = [&[FLOOR, BALL][..], &[FLOOR]].map(|t: &[Thing]| Shot::take(gpu, view, SIZE, t));
     let (with, without) = (with?, without?);
-    let cleaned = |split: u32| -> Result<Vec<u32>, Failed> {
-        let mut bricks = voxelizer(gpu, VoxelizerSettings { clean_split: split, ..settings() })?;
+    let cleaned = |turns: &dyn Fn(u32) -> f32| -> Result<Vec<u32>, Failed> {
+        let mut bricks = voxelizer(gpu, settings())?;
         frame(gpu, &mut bricks, &[&with])?;
-        (0..6).map(|_| Ok(frame_of(gpu, &mut bricks, &[&without], 0, &[])?.cleaned)).collect()
+        (0..9)
+            .map(|n| {
+                bricks.set_turns(turns(n));
+                Ok(frame_of(gpu, &mut bricks, &[&without], 0, &[])?.cleaned)
+            })
+            .collect()
     };
-    let at_once = cleaned(1)?;
-    let in_turns = cleaned(4)?;
+    let at_once = cleaned(&|_| 1.0)?;
     assert!(at_once[0] > 50 && at_once[1..].iter().all(|n| *n == 0), "{at_once:?}");
+    let in_turns = cleaned(&|_| 4.0)?;
     assert_eq!(in_turns.iter().sum::<u32>(), at_once[0]);
-    assert!(in_turns[..4].iter().filter(|n| **n > 0).count() >= 3 && in_turns[4..] == [0, 0], "{in_turns:?}");
+    assert!(in_turns[..4].iter().all(|n| *n > 0) && in_turns[5..] == [0; 4], "{in_turns:?}");
+    // Of a round that grows and shrinks, every brick has its turn once the shares add up to one.
+    let changing = cleaned(&|n| [2.5, 7.0, 3.1][n as usize % 3])?;
+    assert_eq!(changing.iter().sum::<u32>(), at_once[0]);
+    assert!(changing[6..] == [0; 3] && changing[0] > changing[1], "{changing:?}");
+    for strange in [0.0, -3.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(cleaned(&|_| strange)?[0], at_once[0], "{strange} turns");
+    }
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! `lumivox bench progressive`: Tables 6.1 and 6.2, Figures 6.8 and 6.10 of *Progressive Screen-Space Multichannel Surface Voxelization*
 //! (dissertation: Tables 8 and 9, Figures 73, 74 and 76), and what they do not measure: missing cells, strays, cells lost again.
 
+mod budget;
 mod cost;
 mod forms;
 mod quality;
@@ -27,6 +28,7 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     scenes::moving(timer, quick, report)?;
     if let Some(body) = bodies.last() {
         scenes::normals(timer, body, quick, report)?;
+        budget::run(timer, body, quick, report)?;
     }
     report.write()?;
     cost::run(timer, &bodies, &others, quick, report)

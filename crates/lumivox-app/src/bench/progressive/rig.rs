@@ -5,8 +5,8 @@ use glam::{UVec2, Vec3};
 use lumivox::core::{Bounds, Grid, View};
 use lumivox::gpu::Gpu;
 use lumivox::progressive::{
-    AttributeChannel, AttributeKind, AttributeView, CleanupRule, FrameDiagnostics, InjectionScale,
-    ProgressiveVoxelizer, VoxelizerSettings,
+    AttributeChannel, AttributeKind, AttributeView, CleanupRule, FrameDiagnostics, InjectionPattern,
+    InjectionScale, ProgressiveVoxelizer, VoxelizerSettings,
 };
 use lumivox::wgpu::CommandEncoder;
 use lumivox_render::gpu_scene::GpuScene;
@@ -152,6 +152,17 @@ impl Bricks {
     pub(super) fn with_other(self, gpu: &Gpu, rig: &Rig) -> Self {
         let depth = rig.camera.input.textures.depth.clone();
         Self { other: Some(AttributeView::cleaning(gpu, "bench, second view", depth)), ..self }
+    }
+
+    /// The same with points in another order.
+    pub(super) fn with_pattern(self, pattern: InjectionPattern) -> Self {
+        Self { view: self.view.with_pattern(pattern, 1), ..self }
+    }
+
+    /// Cleanup and injection in so many turns.
+    pub(super) fn set_turns(&mut self, turns: f32) {
+        self.voxelizer.set_turns(turns);
+        self.view.set_split(turns.round() as u32);
     }
 
     /// A frame of what the camera sees.

@@ -14,13 +14,13 @@ struct BrickUniform {
     side: u32,
     // Boxes that cleanup is restricted to; none, and it goes everywhere.
     box_count: u32,
-    // Cleanup takes every brick once in so many frames.
-    clean_split: u32,
     // Cells that no view has shown for more frames than this die, if so few frames have shown them; 0 for never.
     max_age: u32,
     confident: u32,
-    spare_a: u32,
-    spare_b: u32,
+    // Where this frame's turn of cleanup begins on a circle of length 1 that bricks lie on, and how much of it it takes.
+    turn_from: f32,
+    turn_share: f32,
+    spare: u32,
 }
 
 const BRICK_SIDE: u32 = 4u;

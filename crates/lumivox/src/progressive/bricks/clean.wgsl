@@ -10,6 +10,13 @@
 @group(0) @binding(6) var<storage, read_write> counters: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> boxes: array<vec4f>;
 
+// Bricks lie on the circle by multiples of the golden section, so that any part of it has its share of them.
+fn has_turn(slot: u32) -> bool {
+    // 0.618.. of 2^32: the product wraps as the circle does.
+    let place = f32((slot * 2654435769u) >> 8u) / 16777216.0;
+    return fract(place - bricks.turn_from + 1.0) < bricks.turn_share;
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) number: u32) {
     let n = group.x + groups.x * group.y;
@@ -17,7 +24,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         return;
     }
     let slot = lists[list_start(bricks, bricks.side) + n];
-    if slot % bricks.clean_split != bricks.frame % bricks.clean_split {
+    if !has_turn(slot) {
         return;
     }
     let header = HEADER * slot;

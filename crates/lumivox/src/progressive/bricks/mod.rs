@@ -54,21 +54,21 @@ crate::gpu_struct! {
         pub side: u32,
         /// Boxes that cleanup is restricted to.
         pub box_count: u32,
-        /// Cleanup takes every brick once in so many frames.
-        pub clean_split: u32,
         /// Age at which cells die, in frames.
         pub max_age: u32,
         /// Frames that keep a cell from that.
         pub confident: u32,
+        /// Where this frame's turn of cleanup begins, on a circle of length 1 that bricks lie on.
+        pub turn_from: f32,
+        /// How much of the circle it takes.
+        pub turn_share: f32,
         /// Nothing.
-        pub spare_a: u32,
-        /// Nothing.
-        pub spare_b: u32,
+        pub spare: u32,
     }
 }
 
 /// How a volume of bricks is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelizerSettings {
     /// Bricks that there is room for: 300 bytes each, and 512 more for each channel. A surface across a grid of `n` cells a side takes
     /// some `n^2 / 10` of them for each of its sides that faces an axis.
@@ -81,8 +81,9 @@ pub struct VoxelizerSettings {
     pub max_age: u32,
     /// Cells that views have shown in so many frames, at most 255, do not die of age.
     pub confident: u32,
-    /// Cleanup takes every brick once in so many frames. What a view proves empty is then gone as many frames later.
-    pub clean_split: u32,
+    /// Cleanup takes every brick once in so many frames, at least 1, and no whole number: what a view proves empty is gone as many
+    /// frames later. [`Self::set_turns`](ProgressiveVoxelizer::set_turns) changes it.
+    pub turns: f32,
 }
 
 impl Default for VoxelizerSettings {
@@ -93,7 +94,7 @@ impl Default for VoxelizerSettings {
             cleanup: CleanupRule::default(),
             max_age: 0,
             confident: 255,
-            clean_split: 1,
+            turns: 1.0,
         }
     }
 }
@@ -107,6 +108,9 @@ pub struct ProgressiveVoxelizer {
     channels: Vec<AttributeChannel>,
     settings: VoxelizerSettings,
     frame: u32,
+    /// Where its turn of cleanup begins, and how much that takes.
+    turn: f64,
+    last_share: f32,
     /// Whether that frame has been recorded.
     recorded: bool,
     /// Views that cleaned in the last frame.
@@ -133,7 +137,7 @@ impl ProgressiveVoxelizer {
         let settings = VoxelizerSettings {
             bricks: settings.bricks.max(1),
             bricks_in_view: settings.bricks_in_view.max(1),
-            clean_split: settings.clean_split.max(1),
+            turns: clean_turns(settings.turns),
             ..settings
         };
         Ok(Self {
@@ -142,6 +146,8 @@ impl ProgressiveVoxelizer {
             channels: channels.to_vec(),
             settings,
             frame: 0,
+            turn: 0.0,
+            last_share: 0.0,
             recorded: true,
             cleaned_by: 0,
             passes: Passes::new(gpu, channels, settings.cleanup)?,
@@ -182,7 +188,9 @@ impl ProgressiveVoxelizer {
     pub fn update(&mut self, gpu: &Gpu, changed: &[Bounds]) {
         if std::mem::take(&mut self.recorded) {
             self.frame = self.frame.wrapping_add(1);
+            self.turn = (self.turn + f64::from(self.last_share)).fract();
         }
+        self.last_share = self.turn_share();
         let settings = self.settings;
         let box_count = self.store.set_boxes(gpu, changed);
         self.store.grid.write(gpu, &GridUniform::from(&self.grid()));
@@ -196,11 +204,11 @@ impl ProgressiveVoxelizer {
                 seen_capacity: settings.bricks_in_view,
                 side: self.side(),
                 box_count,
-                clean_split: settings.clean_split,
                 max_age: settings.max_age,
                 confident: settings.confident,
-                spare_a: 0,
-                spare_b: 0,
+                turn_from: self.turn as f32,
+                turn_share: self.turn_share(),
+                spare: 0,
             },
         );
     }
@@ -232,6 +240,17 @@ impl ProgressiveVoxelizer {
         passes.record_resolve(gpu, encoder, any, store)
     }
 
+    /// Changes [`VoxelizerSettings::turns`], from the next [`Self::update`] on, such as to what a
+    /// [`LightBudget`](crate::gather::LightBudget) finds from what frames took: every brick still has its turn in each round.
+    pub fn set_turns(&mut self, turns: f32) {
+        self.settings.turns = clean_turns(turns);
+    }
+
+    /// The part of all bricks that has its turn; a little more than whole where all have.
+    fn turn_share(&self) -> f32 {
+        if self.settings.turns <= 1.0 { 2.0 } else { 1.0 / self.settings.turns }
+    }
+
     /// The number of the last frame that was begun, from 1.
     pub fn frame(&self) -> u32 {
         self.frame
@@ -246,6 +265,11 @@ impl ProgressiveVoxelizer {
     pub fn values(&self) -> &Buffer {
         &self.store.values
     }
+}
+
+/// Turns as they can be: at least one, and none that never ends.
+fn clean_turns(turns: f32) -> f32 {
+    if turns.is_finite() { turns.clamp(1.0, 65_536.0) } else { 1.0 }
 }
 
 /// Bricks along each axis of a grid.

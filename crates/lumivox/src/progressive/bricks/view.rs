@@ -71,6 +71,11 @@ impl AttributeView {
         self
     }
 
+    /// Changes over how many frames the points are split, from the next [`Self::update`] on.
+    pub fn set_split(&mut self, split: u32) {
+        self.split = split.clamp(1, self.point_count().max(1));
+    }
+
     /// Number of points it injects, in all frames that they are split over together.
     pub fn point_count(&self) -> u32 {
         self.points.x * self.points.y
