@@ -37,7 +37,8 @@ pub mod voxel_view;
 
 pub use composite::Layer;
 pub use renderer::{
-    Caster, FrameStats, GiMethod, ObjectFields, Polish, Renderer, RendererError, Settings, VoxelSource,
+    Caster, FrameStats, GiMethod, LeafShadowSettings, ObjectFields, Polish, Renderer, RendererError,
+    Settings, VoxelSource,
 };
 
 /// Every shader of this crate, for validation and for reading.

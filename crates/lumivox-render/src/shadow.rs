@@ -69,9 +69,11 @@ impl ShadowPass {
         pass.set_vertex_buffer(1, scene.paints.raw.slice(..));
         pass.set_index_buffer(scene.indices.raw.slice(..), wgpu::IndexFormat::Uint32);
         for (is_masked, (pipeline, program)) in [(false, &self.opaque), (true, &self.masked)] {
-            let with_casters = batch.shade == Shade::Maps;
+            let with_casters = matches!(batch.shade, Shade::Maps | Shade::Leaves(_));
+            let with_masked = !matches!(batch.shade, Shade::Leaves(_));
             let draws = || {
-                let all = scene.draws.iter().filter(|d| d.is_masked == is_masked);
+                let all =
+                    scene.draws.iter().filter(|d| d.is_masked == is_masked && (with_masked || !is_masked));
                 all.filter(|d| with_casters || !d.is_caster)
             };
             if draws().next().is_none() {

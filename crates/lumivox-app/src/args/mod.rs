@@ -140,9 +140,13 @@ pub(crate) struct ObjectArgs {
     /// How objects take light of the sky: as in shadow maps, or by their visibility fields.
     #[arg(long, value_enum, default_value = "maps")]
     pub(crate) ao: AoArg,
-    /// How objects throw shadows in the light of lamps: as in shadow maps, or softly by their visibility fields.
+    /// How objects throw shadows in the light of lamps: as in shadow maps, softly by their visibility fields, or masked surfaces such as
+    /// leaves by the part that they take.
     #[arg(long, value_enum, default_value = "maps")]
     pub(crate) shadows: ByArg,
+    /// The part of the light that a leaf takes with --shadows transmittance, 0 to 1.
+    #[arg(long, value_name = "0..1", default_value_t = lumivox_render::LeafShadowSettings::default().sigma)]
+    pub(crate) sigma: f32,
     /// Meshes that have visibility fields, by the beginnings of their names. What moves rigidly, unless said otherwise.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub(crate) casters: Vec<String>,
@@ -195,6 +199,8 @@ pub(crate) enum ByArg {
     Maps,
     /// Visibility fields.
     Field,
+    /// In the light of suns and spots masked surfaces, such as leaves, let a part through; counted in slicemaps.
+    Transmittance,
 }
 
 #[derive(Debug, Args)]

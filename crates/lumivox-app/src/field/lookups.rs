@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use lumivox::visibility::{Combine, OcclusionSettings, ReflectionSettings, ShadowSettings};
-use lumivox_render::{ObjectFields, Polish, Settings};
+use lumivox_render::{LeafShadowSettings, ObjectFields, Polish, Settings};
 use lumivox_scene::Scene;
 
 use super::casters;
@@ -13,8 +13,11 @@ const MIRROR: f32 = 0.05;
 
 /// The fields that pictures look things up in; none where nobody asks.
 pub(crate) fn object_fields(args: &ObjectArgs, scene: &Scene) -> Result<ObjectFields> {
+    if !(0.0..=1.0).contains(&args.sigma) {
+        bail!("--sigma must be 0 to 1");
+    }
     let normals = args.reflections == ReflectionsArg::Field;
-    if args.ao == AoArg::Maps && args.shadows == ByArg::Maps && !normals {
+    if args.ao == AoArg::Maps && args.shadows != ByArg::Field && !normals {
         return Ok(ObjectFields::default());
     }
     if !(0.0..=1.0).contains(&args.polish) || !(0.0..=1.0).contains(&args.reflectance) {
@@ -59,6 +62,8 @@ pub(crate) fn with_objects(settings: Settings, args: &ObjectArgs, still: bool) -
             ..OcclusionSettings::default()
         }),
         soft_shadows: shadows.then(|| ShadowSettings { rays, blended: true, ..ShadowSettings::default() }),
+        leaf_shadows: (args.shadows == ByArg::Transmittance)
+            .then(|| LeafShadowSettings { sigma: args.sigma, ..LeafShadowSettings::default() }),
         light_radius: args.light_radius,
         polish: (args.reflections == ReflectionsArg::Field).then_some(polish),
         ..settings

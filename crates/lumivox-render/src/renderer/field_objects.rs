@@ -49,6 +49,9 @@ pub(crate) enum Shade {
     Occlusion,
     /// Their soft shadow in the light of this number.
     Light(usize),
+    /// Objects are in the shadow maps, but masked surfaces are not: what their slicemap leaves of the light of this number stands
+    /// for them.
+    Leaves(usize),
 }
 
 /// The objects of a renderer.
@@ -167,7 +170,7 @@ impl FieldObjects {
     /// What of a batch's light the objects let through.
     pub(super) fn factor(&self, shade: Shade) -> Option<&Texture> {
         match shade {
-            Shade::Maps => None,
+            Shade::Maps | Shade::Leaves(_) => None,
             Shade::Occlusion => self.occlusion.as_ref().map(Occlusion::factor),
             Shade::Light(light) => self.shadows.as_ref().and_then(|s| s.factor(light)),
         }

@@ -4,7 +4,7 @@ use lumivox::gpu::{GpuError, StageTimer};
 
 use super::indirect::{Indirect, Pace};
 use super::view_voxelizer::Target;
-use super::{FrameStats, GiMethod, Renderer, RendererError, Settings, VoxelSource, needs_volume};
+use super::{FrameStats, GiMethod, Renderer, RendererError, Settings, Shade, VoxelSource, needs_volume};
 
 impl Renderer {
     /// The stages that take as long as the light whose turn it is, for [`Settings::light_budget`].
@@ -52,7 +52,7 @@ impl Renderer {
 
     /// What the camera sees, and how it is lit.
     fn record_view(&mut self, timer: &mut StageTimer, pace: Pace) -> Result<(), RendererError> {
-        let Self { gpu, scene, camera, shadowed, injected, indirect, .. } = self;
+        let Self { gpu, scene, camera, shadowed, injected, indirect, leaves, .. } = self;
         let (gpu, objects) = (&*gpu, &mut self.objects);
         camera.update(gpu, self.scale);
         shadowed.update(gpu, &self.bounds, &camera.view);
@@ -61,6 +61,9 @@ impl Renderer {
         if let Some(objects) = objects {
             objects.update(gpu, &self.places, &self.lights)?;
         }
+        if let Some(leaves) = leaves {
+            leaves.update(gpu, shadowed.samples(), &self.bounds, &camera.view);
+        }
         timer.stage(gpu, "raster/gbuffer", |e| {
             camera.record_clear_radiance(e);
             self.gbuffer_pass.record(gpu, e, scene, None, camera)
@@ -68,11 +71,17 @@ impl Renderer {
         if let Some(objects) = objects {
             objects.record(gpu, timer, &camera.input)?;
         }
+        if let Some(leaves) = leaves {
+            leaves.record(gpu, timer, &camera.input)?;
+        }
         for batch in &shadowed.batches {
             timer.stage(gpu, "raster/shadow", |e| {
                 self.shadow_pass.record(gpu, e, scene, batch, &shadowed.atlas)
             })?;
-            let factor = objects.as_ref().and_then(|o| o.factor(batch.shade));
+            let factor = match (batch.shade, &leaves) {
+                (Shade::Leaves(light), Some(leaves)) => leaves.factor(light),
+                (shade, _) => objects.as_ref().and_then(|o| o.factor(shade)),
+            };
             timer.stage(gpu, "raster/direct", |e| {
                 self.direct_pass.record(gpu, e, shadowed, (batch, factor), camera, &mut self.spare_radiance)
             })?;

@@ -6,6 +6,7 @@ mod frame;
 mod hit_light;
 mod indirect;
 mod injected_lights;
+mod leaf_shadows;
 mod pictures;
 mod settings;
 mod shadowed_lights;
@@ -33,10 +34,12 @@ use expected::Expected;
 use field_objects::FieldObjects;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
+use leaf_shadows::LeafShadows;
 use view_voxelizer::ViewVoxelizer;
 
 pub(crate) use field_objects::Shade;
 pub use field_objects::{Caster, ObjectFields};
+pub use leaf_shadows::LeafShadowSettings;
 pub use settings::{GiMethod, Polish, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
 
@@ -74,6 +77,7 @@ pub struct Renderer {
     scene: GpuScene,
     camera: SurfaceView,
     objects: Option<FieldObjects>,
+    leaves: Option<LeafShadows>,
     /// Where the scene's instances stand.
     places: Vec<Mat4>,
     lights: Vec<Light>,
@@ -142,7 +146,6 @@ impl Renderer {
         let (mut gpu_scene, textures) = GpuScene::new(gpu, scene, &panels, settings.filtered_textures)?;
         let objects = FieldObjects::new(gpu, scene, &settings, fields)?;
         gpu_scene.set_casters(objects.iter().flat_map(FieldObjects::instances));
-        let shade = |source| objects.as_ref().map_or(Shade::Maps, |o| o.shade(source));
         let from_triangles = settings.voxels == VoxelSource::Triangles && needs_volume(&settings);
         let triangles = from_triangles.then(|| {
             let (scenes, gathers) = ((scene, &panels), matches!(indirect, Indirect::Gathered(_)));
@@ -155,6 +158,19 @@ impl Renderer {
             .transpose()?;
         let camera = camera_target(gpu, &settings)?;
         let [for_picture, for_volume] = light_samples(&settings, &scene.lights, &sky);
+        let uploaded = (&gpu_scene, &textures);
+        let leaves = settings
+            .leaf_shadows
+            .map(|leaf| {
+                LeafShadows::new(gpu, [scene, &panels], uploaded, &for_picture, (leaf, settings.size))
+            })
+            .transpose()?
+            .flatten();
+        let shade = |source: Option<usize>| match (&objects, &leaves, source) {
+            (_, Some(leaves), Some(light)) if leaves.has(light) => Shade::Leaves(light),
+            (Some(objects), ..) => objects.shade(source),
+            _ => Shade::Maps,
+        };
         let injected = InjectedLights::new(gpu, &for_volume, &settings)?;
         let emission = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
         let composite_pass = CompositePass::new(gpu, &sky)?;
@@ -175,6 +191,7 @@ impl Renderer {
             lights: scene.lights.clone(),
             shadowed: ShadowedLights::new(gpu, for_picture, settings.shadow_size, shade)?,
             injected,
+            leaves,
             objects,
             sky,
             direct_pass: DirectPass::new(gpu)?,
@@ -236,6 +253,9 @@ impl Renderer {
     pub fn set_pose(&mut self, pose: &Pose) {
         self.scene.set_pose(&self.gpu, pose);
         self.places.clone_from(&pose.world_from_local);
+        if let Some(leaves) = &mut self.leaves {
+            leaves.set_places(&self.gpu, &self.places);
+        }
         if let Some(triangles) = &mut self.triangles {
             triangles.set_pose(&self.gpu, pose);
         }

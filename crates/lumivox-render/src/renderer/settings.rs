@@ -7,6 +7,7 @@ use lumivox::lpv::Blocking;
 use lumivox::progressive::CleanupRule;
 use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
 
+use super::LeafShadowSettings;
 use crate::composite::Layer;
 use crate::voxel_view::{Slice, VoxelChannel};
 
@@ -107,6 +108,8 @@ pub struct Settings {
     pub light_radius: f32,
     /// Whether all surfaces are polished: what they mirror of objects with visibility fields is looked up in these.
     pub polish: Option<Polish>,
+    /// Whether masked surfaces let a part of the light of suns and spots through, and how much.
+    pub leaf_shadows: Option<LeafShadowSettings>,
     /// What the picture shows.
     pub layer: Layer,
     /// Roughness of the surfaces in [`Layer::Glossy`], 0.3 to 1: less is a sharper mirror.
@@ -168,6 +171,7 @@ impl Default for Settings {
             soft_shadows: None,
             light_radius: 0.1,
             polish: None,
+            leaf_shadows: None,
             layer: Layer::Final,
             roughness: 0.4,
             voxel_channel: VoxelChannel::Lit,

@@ -125,6 +125,11 @@ impl ShadowedLights {
         }
     }
 
+    /// What lights the picture.
+    pub(crate) fn samples(&self) -> &[LightSample] {
+        &self.samples
+    }
+
     /// Writes where all views stand. Once per frame, before recording.
     pub fn update(&self, gpu: &Gpu, bounds: &Bounds, camera: &View) {
         let receivers = lights::visible_part(camera, bounds);
