@@ -1,10 +1,10 @@
 //! Masked surfaces: holes for the camera, for shadows and for reflective shadow maps.
 
-use glam::{Vec3, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
-use lumivox_render::{GiMethod, Layer, Renderer, Settings};
-use lumivox_scene::{AlphaMode, Camera, Light, Material, Scene, Texture, Wrap};
+use lumivox_render::{GiMethod, Layer, LeafShadowSettings, Renderer, Settings};
+use lumivox_scene::{AlphaMode, Camera, Instance, Light, Material, Scene, Texture, Wrap};
 
 use crate::Check;
 use crate::camera::{Ray, rays};
@@ -15,6 +15,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("light passes the holes of a mask", lit_through),
     ("reflective shadow maps have the holes of a mask", injected_through),
     ("a blended surface is solid from one half on", blended),
+    ("leaves take a part of the sun, one after the other", leaves_let_through),
 ];
 
 /// Albedos of sRGB 124 and 231.
@@ -139,5 +140,34 @@ fn injected_through(gpu: &Gpu) -> Result<(), Failed> {
         assert!((light - expected).abs() <= 0.02 * expected, "{light} at {p}: {expected}");
     }
     assert!(counts[0] > 200 && counts[1] > 10, "{counts:?}");
+    Ok(())
+}
+
+/// With transmittance shadow maps the solid half of the leaf takes a part of the sun, and two leaves that part of the rest.
+fn leaves_let_through(gpu: &Gpu) -> Result<(), Failed> {
+    let (mut scene, ..) = leaf_scene(MASK, [0, 255]);
+    scene.meshes.push(scene.meshes[1].clone());
+    let place = Mat4::from_translation(0.5 * Vec3::Y);
+    scene.instances.push(Instance { mesh: 2, world_from_local: place });
+    let camera = Camera::look("below", Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.001), 100.0);
+    let sun = FLOOR * 3.0 / std::f32::consts::PI;
+    for (sigma, moved, left) in [(0.3, 0.5, 0.49), (0.3, 5.0, 0.7), (1.0, 0.5, 0.0)] {
+        let leaf_shadows = Some(LeafShadowSettings { sigma, size: 256, slices: 64 });
+        scene.instances[2].world_from_local =
+            Mat4::from_translation(moved * (Vec3::Y + Vec3::X * f32::from(moved > 1.0)));
+        let settings = Settings { layer: Layer::Direct, leaf_shadows, ..small() };
+        let seen = picture(gpu, &scene, &camera, settings)?;
+        let mut counts = [0; 2];
+        for (ray, seen) in rays(&camera, settings.size).into_iter().zip(seen) {
+            let p = ray.origin - ray.origin.y / ray.direction.y * ray.direction;
+            if p.x.abs() < BORDER || p.abs().max_element() > 0.5 - BORDER {
+                continue;
+            }
+            let (which, expected) = if p.x > 0.0 { (1, left * sun) } else { (0, sun) };
+            counts[which] += 1;
+            assert!((seen.y - expected).abs() < 0.01 * sun, "sigma {sigma}: {} of {expected} at {p}", seen.y);
+        }
+        assert!(counts.iter().all(|&n| n > 100), "{counts:?}");
+    }
     Ok(())
 }
