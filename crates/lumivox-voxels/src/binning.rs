@@ -1,32 +1,20 @@
 //! From triangles to bricks: which triangles each brick has to look at.
 //!
 //! A chunk of triangles at a time, each thread for itself. A triangle goes to the bricks that it touches, found by the
-//! same walk that finds cells, on a grid of bricks. Where only occupancy is wanted, triangles of few bricks mark their
-//! cells at once, and no list is needed; small flat triangles are summed at once.
+//! same walk that finds cells, on a grid of bricks, or of the larger blocks that flat triangles are summed in. Where only
+//! occupancy is wanted, triangles of few bricks mark their cells at once, and no list is needed.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{IVec3, UVec3};
 
-use crate::cell_sums::{CellSums, Closed, Cutter, FlatFace};
-use crate::channels::FlatPiece;
 use crate::coverage::{self, CellBox, Coverage};
 use crate::job::{Chunk, Job, Reached};
-use crate::sparse::{Directory, Mask, SHIFT, SIDE, brick_index, bricks_along};
-use crate::surface::Face;
+use crate::sparse::{Directory, Mask, SHIFT, SIDE, brick_index};
 
 /// Triangles that reach more bricks than this leave their cells to the stage that works brick by brick, so that one
 /// large triangle keeps all threads busy.
 const FEW_BRICKS: i32 = 8;
-
-/// Flat triangles that reach no more steps from cell to cell than this are summed at once. Larger ones leave so much that it is better
-/// done brick by brick, where sums stay at hand.
-const SMALL: i32 = 3;
-
-/// Pairs of triangle and brick that take as much memory as one sum, and as the mask of a brick. What sums are looked up with is
-/// gone with the chunk.
-const SUM_PAIRS: usize = 3;
-const BRICK_PAIRS: usize = 6;
 
 /// Lists of one chunk.
 pub(crate) struct Bins {
@@ -38,12 +26,6 @@ pub(crate) struct Bins {
     starts: Vec<u32>,
     /// Triangles, by number in their mesh.
     items: Vec<u32>,
-    /// The same for sums of flat triangles, one for each marked cell if there are any.
-    sum_starts: Vec<u32>,
-    sums: Vec<FlatPiece>,
-    /// The same for sums that were closed.
-    closed_starts: Vec<u32>,
-    closed: Vec<Closed>,
     /// Triangles that were not finite or named no vertex.
     pub(crate) skipped: u64,
 }
@@ -52,16 +34,6 @@ impl Bins {
     /// The triangles of brick number `n` of this chunk.
     pub(crate) fn items(&self, n: u32) -> &[u32] {
         &self.items[self.starts[n as usize] as usize..self.starts[n as usize + 1] as usize]
-    }
-
-    /// The sums of flat triangles in the marked cells of brick number `n` of this chunk.
-    pub(crate) fn sums(&self, n: u32) -> &[FlatPiece] {
-        &self.sums[self.sum_starts[n as usize] as usize..self.sum_starts[n as usize + 1] as usize]
-    }
-
-    /// Those that were closed, in any order.
-    pub(crate) fn closed(&self, n: u32) -> &[Closed] {
-        &self.closed[self.closed_starts[n as usize] as usize..self.closed_starts[n as usize + 1] as usize]
     }
 }
 
@@ -72,20 +44,17 @@ struct Builder {
     bricks: Vec<u32>,
     masks: Vec<Mask>,
     pairs: Vec<[u32; 2]>,
-    sums: CellSums,
     last: (IVec3, u32),
 }
 
 impl Builder {
-    fn new(dims: UVec3) -> Self {
-        let along = bricks_along(dims);
+    fn new(along: UVec3) -> Self {
         Self {
             along,
             directory: Directory::new(along),
             bricks: Vec::new(),
             masks: Vec::new(),
             pairs: Vec::new(),
-            sums: CellSums::default(),
             last: (IVec3::splat(-1), 0),
         }
     }
@@ -125,41 +94,10 @@ impl Builder {
         self.pairs.push([number as u32, triangle]);
     }
 
-    /// What it holds, in pairs.
-    fn len(&self, sums: bool) -> usize {
-        let bricks = if sums { BRICK_PAIRS * self.bricks.len() } else { 0 };
-        self.pairs.len() + SUM_PAIRS * self.sums.len() + bricks
-    }
-
-    #[inline(always)]
-    fn sum(&mut self, cell: IVec3, piece: &FlatPiece) {
-        let number = self.number(cell >> SHIFT);
-        self.sums.make_room(self.bricks.len());
-        let local = cell & (SIDE as i32 - 1);
-        let local = (local.x + SIDE as i32 * (local.y + SIDE as i32 * local.z)) as u32;
-        self.sums.add(number, local, &mut self.masks[number], piece);
-    }
-
     /// Sorts everything by brick.
     fn finish(self, skipped: u64) -> Bins {
         let (starts, items) = sorted(self.bricks.len(), self.pairs.iter().map(|&[number, t]| (number, t)));
-        let (sum_starts, sums) = if self.sums.len() == 0 {
-            (vec![0; self.bricks.len() + 1], Vec::new())
-        } else {
-            self.sums.sorted(&self.masks)
-        };
-        let (closed_starts, closed) = sorted(self.bricks.len(), self.sums.closed());
-        Bins {
-            bricks: self.bricks,
-            masks: self.masks,
-            starts,
-            items,
-            sum_starts,
-            sums,
-            closed_starts,
-            closed,
-            skipped,
-        }
+        Bins { bricks: self.bricks, masks: self.masks, starts, items, skipped }
     }
 }
 
@@ -181,7 +119,7 @@ fn sorted<T: Copy>(numbers: usize, items: impl Iterator<Item = (u32, T)> + Clone
     (starts, sorted)
 }
 
-/// Sorts a chunk into the bricks of `slab`; none if, with what other chunks have counted in `pairs`, there would be more
+/// Sorts a chunk into the bricks of `slab`, or blocks where these are what the job is split in; none if, with what other chunks have counted in `pairs`, there would be more
 /// than `budget` pairs of triangle and brick.
 pub(crate) fn bin(
     job: &Job<'_>,
@@ -190,14 +128,13 @@ pub(crate) fn bin(
     pairs: &AtomicU64,
     budget: u64,
 ) -> Option<Bins> {
-    let mut builder = Builder::new(job.dims());
-    let cells = CellBox { low: slab.low << SHIFT, high: (slab.high << SHIFT) + (SIDE as i32 - 1) };
+    let shift = job.shift();
+    let mut builder = Builder::new(job.along());
+    let cells = CellBox { low: slab.low << shift, high: ((slab.high + 1) << shift) - 1 };
     let cells = cells.intersection(&CellBox::of_grid(job.dims()));
     // A triangle in one cell marks it, whatever its shape.
     let marks_one = !job.needs_fragments && job.coverage == Coverage::Exact;
     let mut last_one = None;
-    let flat = if job.coverage == Coverage::Exact { Face::flat(job, chunk.mesh) } else { None };
-    let mut cutter = Cutter::default();
     let mut skipped = 0;
     let mut counted = 0;
     for number in chunk.triangles.clone() {
@@ -216,31 +153,37 @@ pub(crate) fn bin(
             }
             continue;
         }
-        let reach = reach.cells();
-        if let Some(face) = &flat
-            && sum_flat(job, &mut builder, &mut cutter, &cells, face, (chunk.mesh, number), reach)
-        {
+        if let (true, Reached::One(cell)) = (job.is_flat, &reach) {
+            let cell = cell.cell();
+            if cells.contains(cell) {
+                builder.push(cell >> shift as i32, number);
+            }
             continue;
         }
+        let reach = reach.cells();
         let within = reach.intersection(&cells);
         if within.is_empty() {
             continue;
         }
-        let bricks = within.coarser(SHIFT);
+        let bricks = within.coarser(shift);
         let extent = bricks.high - bricks.low + 1;
         let count = extent.element_product();
         if !job.needs_fragments && count <= FEW_BRICKS {
             let triangle = job.triangle(chunk.mesh, number, reach);
             coverage::walk(job.coverage, &triangle, &within, &mut |cell| builder.mark(cell));
-        } else if count == 1 {
+        } else if count <= 2 {
+            // Its corners lie in both.
             builder.push(bricks.low, number);
+            if count == 2 {
+                builder.push(bricks.high, number);
+            }
         } else {
             // All coverages lie inside the exact one.
-            let coarse = job.triangle(chunk.mesh, number, reach).coarser(SHIFT);
+            let coarse = job.triangle(chunk.mesh, number, reach).coarser(shift);
             coverage::walk(Coverage::Exact, &coarse, &bricks, &mut |brick| builder.push(brick, number));
         }
         // Counted now and then, since one triangle may have a hundred thousand bricks.
-        let len = builder.len(flat.is_some());
+        let len = builder.pairs.len();
         if len - counted > 4096 {
             let new = (len - counted) as u64;
             counted = len;
@@ -249,39 +192,9 @@ pub(crate) fn bin(
             }
         }
     }
-    let new = (builder.len(flat.is_some()) - counted) as u64;
+    let new = (builder.pairs.len() - counted) as u64;
     if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
         return None;
     }
     Some(builder.finish(skipped))
-}
-
-/// Sums a small triangle, if it is flat. Which triangles these are does not depend on the slab, so that
-/// neither do the bits of the sums.
-#[inline(always)]
-fn sum_flat(
-    job: &Job<'_>,
-    builder: &mut Builder,
-    cutter: &mut Cutter,
-    cells: &CellBox,
-    face: &Face<'_>,
-    (mesh, number): (usize, u32),
-    reach: CellBox,
-) -> bool {
-    if (reach.high - reach.low).element_sum() > SMALL {
-        return false;
-    }
-    if reach.intersection(cells).is_empty() {
-        return true;
-    }
-    let triangle = job.triangle(mesh, number, reach);
-    let normal = triangle.normal();
-    let Some(direction) = face.direction_of(number, normal, job.asked.normal) else { return false };
-    let grid = CellBox::of_grid(job.dims());
-    cutter.cut(&triangle, FlatFace::new(normal, direction), &grid, |cell, piece| {
-        if cells.contains(cell) {
-            builder.sum(cell, piece);
-        }
-    });
-    true
 }

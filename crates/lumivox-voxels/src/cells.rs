@@ -3,29 +3,23 @@
 use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
-use crate::areas::Areas;
-use crate::cell_sums::{self, Closed, FlatFace, MERGED};
-use crate::channels::{Accumulator, FlatPiece, FlatWriter, Fragment, Values};
+use crate::areas::{self, Areas};
+use crate::channels::{Accumulator, Fragment, Values};
 use crate::coverage::{self, CellBox, Coverage, Triangle};
 use crate::fragment::{self, Piece};
 use crate::job::Job;
-use crate::sparse::{CELLS, Mask, SHIFT, SIDE};
-use crate::surface::Face;
+use crate::sparse::{Mask, SHIFT, SIDE};
+use crate::surface::{Face, FlatFace};
 
-/// Triangles of one mesh in one brick, and sums of others.
+/// Triangles of one mesh in one brick.
 #[derive(Clone, Copy)]
 pub(crate) struct Batch<'a> {
     pub(crate) mesh: usize,
     pub(crate) triangles: &'a [u32],
-    /// Cells that are marked already.
-    pub(crate) mask: &'a Mask,
-    /// Their sums, if there are any.
-    pub(crate) sums: &'a [FlatPiece],
-    pub(crate) closed: &'a [Closed],
 }
 
 /// A brick with more triangles than this is shared among threads.
-const SHARE: usize = 4096;
+pub(crate) const SHARE: usize = 4096;
 
 /// What a thread works with.
 pub(crate) struct Worker<'a> {
@@ -36,9 +30,6 @@ pub(crate) struct Worker<'a> {
     /// Material of the flat triangles that are being summed.
     constants: Option<usize>,
     areas: Areas,
-    /// Sums of a brick from several chunks.
-    merged: Vec<FlatPiece>,
-    writer: FlatWriter,
 }
 
 impl<'a> Worker<'a> {
@@ -52,8 +43,6 @@ impl<'a> Worker<'a> {
             fixed: vec![[0; 4]; count],
             constants: None,
             areas: Areas::default(),
-            merged: vec![FlatPiece::NOTHING; CELLS],
-            writer: FlatWriter::default(),
         }
     }
 
@@ -65,9 +54,6 @@ impl<'a> Worker<'a> {
         mask: &mut Mask,
         results: &mut [Values],
     ) {
-        if let Some(face) = self.one_face(batches) {
-            return self.write_sums(&face, batches, mask, results);
-        }
         let count: usize = batches.iter().map(|batch| batch.triangles.len()).sum();
         if count > 2 * SHARE {
             self.shared(brick, batches, mask);
@@ -86,55 +72,13 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// What the faces of a brick have in common that holds nothing but sums of flat triangles, all of one material.
-    fn one_face(&self, batches: &[Batch<'_>]) -> Option<Face<'a>> {
-        let is_summed = |batch: &Batch<'_>| {
-            !batch.sums.is_empty() && batch.closed.is_empty() && batch.triangles.is_empty()
-        };
-        let (first, rest) = batches.split_first()?;
-        if !batches.iter().all(is_summed) || batches.len() > MERGED {
-            return None;
-        }
-        let face = Face::flat(self.job, first.mesh)?;
-        let is_alike = |batch: &Batch<'_>| {
-            batch.mesh == first.mesh
-                || Face::flat(self.job, batch.mesh).is_some_and(|other| other.constants() == face.constants())
-        };
-        rest.iter().all(is_alike).then_some(face)
-    }
-
-    /// Appends the values of such a brick.
-    fn write_sums(&mut self, face: &Face<'_>, batches: &[Batch<'_>], mask: &Mask, results: &mut [Values]) {
-        let Self { job, fixed, merged, writer, .. } = self;
-        face.shade_flat(job.channels, fixed);
-        if let [batch] = batches {
-            return writer.write(job.channels, fixed, batch.sums.iter(), results);
-        }
-        let mut seen: Mask = [0; SIDE as usize];
-        for batch in batches {
-            for (cell, sum) in cell_sums::cells(batch.mask).zip(batch.sums) {
-                if seen[cell >> 6] >> (cell & 63) & 1 == 1 {
-                    merged[cell].add(sum);
-                } else {
-                    merged[cell] = *sum;
-                }
-            }
-            seen.iter_mut().zip(batch.mask).for_each(|(a, b)| *a |= b);
-        }
-        let merged = &*merged;
-        writer.write(job.channels, fixed, cell_sums::cells(mask).map(|cell| &merged[cell]), results);
-    }
-
     /// Many triangles, in parts that go to threads; sums are integers, so that it does not matter which.
     fn shared(&mut self, brick: UVec3, batches: &[Batch<'_>], mask: &mut Mask) {
-        for batch in batches.iter().filter(|batch| !batch.sums.is_empty()) {
-            self.batch(brick, &Batch { triangles: &[], ..*batch }, mask);
-        }
         let parts: Vec<Batch<'_>> = batches
             .iter()
             .flat_map(|batch| {
                 let triangles = batch.triangles.chunks(SHARE);
-                triangles.map(|triangles| Batch { triangles, sums: &[], closed: &[], ..*batch })
+                triangles.map(|triangles| Batch { triangles, ..*batch })
             })
             .collect();
         // Groups of parts, so that small batches do not each bring sums of their own.
@@ -161,12 +105,6 @@ impl<'a> Worker<'a> {
         let cells = CellBox { low, high: low + (SIDE as i32 - 1) };
         let cells = cells.intersection(&CellBox::of_grid(self.job.dims()));
         let flat = Face::flat(self.job, batch.mesh);
-        if let (Some(face), false) = (&flat, batch.sums.is_empty()) {
-            self.begin_flat(face);
-            let sums = cell_sums::cells(batch.mask).zip(batch.sums);
-            sums.for_each(|(cell, sum)| self.sums.add_flat(cell, sum));
-            batch.closed.iter().for_each(|closed| self.sums.add_flat(closed.cell as usize, &closed.sum));
-        }
         for &number in batch.triangles {
             if self.job.needs_fragments {
                 self.fragments(&cells, (batch.mesh, number), flat.as_ref(), mask);
@@ -208,18 +146,12 @@ impl<'a> Worker<'a> {
             face.shade(job, &triangle, &nothing, &mut self.values, &mut self.fixed);
         }
         let needs_point = face.varies || job.parts.point;
-        self.areas.begin(normal, normal.length());
-        coverage::walk(job.coverage, &triangle, cells, &mut |cell: IVec3| {
-            let piece = match job.coverage {
-                Coverage::Sampled => coverage::sample(&triangle, cell),
-                _ if needs_point => fragment::in_cell(&triangle, cell),
-                _ if job.parts.area => Piece { area: self.areas.in_cell(&triangle, cell), ..nothing },
-                _ => nothing,
-            };
-            if face.varies && !face.shade(job, &triangle, &piece, &mut self.values, &mut self.fixed) {
+        let Self { sums, values, fixed, areas, .. } = self;
+        let mut add = |cell: IVec3, piece: Piece| {
+            if face.varies && !face.shade(job, &triangle, &piece, values, fixed) {
                 return;
             }
-            self.sums.add(&Fragment {
+            sums.add(&Fragment {
                 cell: mark(mask, cells, cell),
                 area: piece.area,
                 distance: if needs_point {
@@ -227,9 +159,25 @@ impl<'a> Worker<'a> {
                 } else {
                     0.0
                 },
-                values: &self.values,
-                fixed: &self.fixed,
+                values,
+                fixed,
             });
+        };
+        let is_sampled = job.coverage == Coverage::Sampled;
+        if !is_sampled && !needs_point && job.parts.area {
+            let plane = (normal, normal.length());
+            areas.for_each(job.coverage, &triangle, plane, cells, |cell, area| {
+                add(cell, Piece { area, ..nothing });
+            });
+            return;
+        }
+        coverage::walk(job.coverage, &triangle, cells, &mut |cell: IVec3| {
+            let piece = match () {
+                () if is_sampled => coverage::sample(&triangle, cell),
+                () if needs_point => fragment::in_cell(&triangle, cell),
+                () => nothing,
+            };
+            add(cell, piece);
         });
     }
 
@@ -254,35 +202,18 @@ impl<'a> Worker<'a> {
         mask: &mut Mask,
     ) {
         let face = FlatFace::new(normal, direction);
-        self.areas.begin(normal, face.length);
         let Self { job, areas, sums, .. } = self;
-        match job.coverage {
-            Coverage::Sampled => {
-                let piece = face.piece(areas.under_one_sample());
-                coverage::walk(Coverage::Sampled, triangle, cells, &mut |cell| {
-                    sums.add_flat(mark(mask, cells, cell), &piece);
-                });
-            }
-            // One place for the work on a cell: the walk has many where it finds one.
-            exact_or_thin => coverage::walk(exact_or_thin, triangle, cells, &mut |cell| {
-                add_part(areas, sums, mask, (triangle, cells), cell, &face);
-            }),
+        if job.coverage == Coverage::Sampled {
+            let piece = face.piece(areas::under_one_sample(normal));
+            coverage::walk(Coverage::Sampled, triangle, cells, &mut |cell| {
+                sums.add_flat(mark(mask, cells, cell), &piece);
+            });
+            return;
         }
+        areas.for_each(job.coverage, triangle, (normal, face.length), cells, |cell, area| {
+            sums.add_flat(mark(mask, cells, cell), &face.piece(area));
+        });
     }
-}
-
-/// Adds the part of a flat triangle in one cell.
-#[inline(never)]
-fn add_part(
-    areas: &mut Areas,
-    sums: &mut Accumulator<'_>,
-    mask: &mut Mask,
-    (triangle, cells): (&Triangle, &CellBox),
-    cell: IVec3,
-    face: &FlatFace,
-) {
-    let area = areas.in_cell(triangle, cell);
-    sums.add_flat(mark(mask, cells, cell), &face.piece(area));
 }
 
 /// Marks a cell of the brick whose first cell is `cells.low`, and returns its number in it.

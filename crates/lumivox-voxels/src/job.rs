@@ -7,10 +7,12 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, Mat4, UVec3};
 use lumivox_core::Grid;
 use rayon::prelude::*;
 
+use crate::blocks::BLOCK_SHIFT;
 use crate::channels::{Parts, takes_flat};
 use crate::coverage::{CellBox, Triangle, cell_of, onto_rim};
 use crate::options::{Progress, Stage, VoxelizeOptions};
-use crate::surface::{Asked, Placed};
+use crate::sparse::SHIFT;
+use crate::surface::{Asked, Face, Placed, has_flat_normals};
 use crate::{Channel, Coverage, Material, Model, VoxelizeError};
 
 /// Triangles of one mesh that are binned together.
@@ -106,6 +108,8 @@ pub(crate) struct Job<'a> {
     placements: Vec<Placement>,
     /// The cell of each vertex of each mesh: vertices have more triangles than one, and most of those need no more.
     vertex_cells: Vec<Vec<PackedCell>>,
+    /// Whether all triangles have one colour all over, the same for all, and one normal each.
+    pub(crate) is_flat: bool,
     rim: f64,
     snap: f64,
     options: &'a VoxelizeOptions<'a>,
@@ -156,6 +160,7 @@ impl<'a> Job<'a> {
                 .map(|mesh| Placement::new(&grid_from_world, &mesh.world_from_local))
                 .collect(),
             vertex_cells: Vec::new(),
+            is_flat: false,
             rim,
             snap: if options.snap > 0.0 { options.snap.min(0.5) } else { 0.0 },
             options,
@@ -167,7 +172,33 @@ impl<'a> Job<'a> {
             positions.map(|position| job.vertex_cell(mesh, position)).collect()
         });
         job.vertex_cells = cells.collect();
+        job.is_flat = job.find_flat();
         Ok(job)
+    }
+
+    fn find_flat(&self) -> bool {
+        if self.coverage == Coverage::Sampled || !self.takes_flat {
+            return false;
+        }
+        let mut colors: Option<Vec<[i64; 4]>> = None;
+        (0..self.model.meshes.len()).all(|mesh| {
+            let Some(face) = Face::flat(self, mesh) else { return false };
+            let mut own = vec![[0; 4]; self.channels.len()];
+            face.shade_flat(self.channels, &mut own);
+            *colors.get_or_insert_with(|| own.clone()) == own
+                && (!self.asked.normal || has_flat_normals(&self.model.meshes[mesh]))
+        })
+    }
+
+    /// Triangles are sorted by cubes of two to the power of this many cells.
+    pub(crate) fn shift(&self) -> u32 {
+        if self.is_flat { BLOCK_SHIFT } else { SHIFT }
+    }
+
+    /// Such cubes along the axes of the grid.
+    pub(crate) fn along(&self) -> UVec3 {
+        let side = 1 << self.shift();
+        (self.dims() + (side - 1)) / side
     }
 
     fn vertex_cell(&self, mesh: usize, position: &[f32; 3]) -> PackedCell {

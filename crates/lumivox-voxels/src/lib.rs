@@ -28,8 +28,8 @@
 
 mod areas;
 mod binning;
+mod blocks;
 mod boundary;
-mod cell_sums;
 mod cells;
 mod channels;
 mod coverage;
@@ -40,6 +40,7 @@ mod fragment;
 mod job;
 mod model;
 mod options;
+mod packet;
 mod plan;
 mod report;
 mod sparse;

@@ -1,8 +1,9 @@
 //! What channels see at a point of a triangle.
 
 use glam::{DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
-use crate::channels::{Source, fixed, unit};
+use crate::channels::{FlatPiece, Source, fixed, unit};
 use crate::coverage::Triangle;
 use crate::fragment::{Piece, barycentric};
 use crate::job::Job;
@@ -225,6 +226,54 @@ impl<'a> Face<'a> {
             material: self.material_number,
         }
     }
+}
+
+/// The plane of a flat triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlatFace {
+    /// Twice its area.
+    pub(crate) length: f64,
+    /// Its normal as channels see it, for each cell face of its area.
+    per_area: DVec3,
+    /// Anything that points like that.
+    direction: DVec3,
+}
+
+impl FlatFace {
+    /// `normal` is twice the area long, and the rest as [`Face::direction`] has it.
+    #[inline(always)]
+    pub(crate) fn new(normal: DVec3, (direction, is_doubled_area): (DVec3, bool)) -> Self {
+        let length = normal.length();
+        let per_area = match is_doubled_area {
+            true if length > 0.0 => direction * (1.0 / length),
+            true => DVec3::ZERO,
+            false => direction,
+        };
+        Self { length, per_area, direction }
+    }
+
+    /// All of a face, with what [`Self::new`] takes.
+    #[inline(always)]
+    pub(crate) fn whole(normal: DVec3, (direction, is_doubled_area): (DVec3, bool)) -> FlatPiece {
+        let area = 0.5 * normal.length();
+        FlatPiece::new(area, if is_doubled_area { 0.5 * direction } else { area * direction }, direction)
+    }
+
+    /// A part of it.
+    #[inline(always)]
+    pub(crate) fn piece(&self, area: f64) -> FlatPiece {
+        FlatPiece::new(area, area * self.per_area, self.direction)
+    }
+}
+
+/// Whether all triangles of a mesh have one normal each.
+pub(crate) fn has_flat_normals(view: &MeshView<'_>) -> bool {
+    let Some(normals) = view.normals else { return true };
+    view.triangles.indices.par_iter().with_min_len(4096).all(|triangle| {
+        let [a, b, c] = triangle.map(|i| normals.get(i as usize));
+        // Triangles that name no vertex are left out.
+        a.is_none() || b.is_none() || c.is_none() || (a == b && b == c)
+    })
 }
 
 /// Whether colours or outlines depend on where one looks on a mesh.

@@ -1,17 +1,19 @@
 //! The stages in their order: fit the grid, bin triangles, work out bricks, put them together, fill.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use glam::IVec3;
 use rayon::prelude::*;
 
 use crate::binning::{self, Bins};
+use crate::blocks::BlockWorker;
 use crate::cells::{Batch, Worker};
-use crate::channels::Values;
 use crate::coverage::CellBox;
 use crate::fill;
 use crate::job::{Chunk, Job};
 use crate::options::{Stage, VoxelizeOptions};
+use crate::packet::Packet;
 use crate::plan;
 use crate::sparse::{BrickSet, ChannelData, Mask, SIDE, brick_of, bricks_along};
 use crate::{Model, SparseVolume, VoxelizeError, VoxelizeReport};
@@ -53,10 +55,8 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
     let job = Job::new(model, options, grid)?;
     let mut report = VoxelizeReport { triangles: job.triangle_count(), ..VoxelizeReport::default() };
     let mut all = Packet::new(&job);
-    let bricks = bricks_along(grid.dims).as_ivec3();
-    let chunks = job.chunks();
-    report.skipped_triangles =
-        slab(&job, &chunks, &CellBox { low: IVec3::ZERO, high: bricks - 1 }, &mut all)?;
+    let all_bricks = CellBox { low: IVec3::ZERO, high: job.along().as_ivec3() - 1 };
+    report.skipped_triangles = slab(&job, &job.chunks(), &all_bricks, &mut all)?;
     let surface = BrickSet::new(grid.dims, all.bricks, all.masks);
     let channels = job.channels.iter().zip(all.values);
     let channels = channels.map(|(channel, values)| ChannelData::new(channel, values)).collect();
@@ -66,31 +66,6 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
         Some((solid, found)) => volume.with_solid(solid, found),
         None => volume,
     })
-}
-
-/// Finished bricks in the order of their index.
-struct Packet {
-    bricks: Vec<u32>,
-    masks: Vec<Mask>,
-    values: Vec<Values>,
-}
-
-impl Packet {
-    fn new(job: &Job<'_>) -> Self {
-        let values = job.channels.iter().map(|channel| Values::new(channel.format)).collect();
-        Self { bricks: Vec::new(), masks: Vec::new(), values }
-    }
-
-    fn append(&mut self, other: Self) {
-        self.bricks.extend_from_slice(&other.bricks);
-        self.masks.extend_from_slice(&other.masks);
-        self.values.iter_mut().zip(other.values).for_each(|(to, from)| to.append(from));
-    }
-
-    fn bytes(&self) -> u64 {
-        let values: usize = self.values.iter().map(|v| v.as_bytes().len()).sum();
-        (self.bricks.len() * (size_of::<u32>() + size_of::<Mask>()) + values) as u64
-    }
 }
 
 /// Works out the bricks of a slab and appends them; returns the number of skipped triangles. A slab whose lists do not
@@ -151,7 +126,7 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
     while end < rest.len() {
         let segment = rest[end];
         let bins = &bins[segment.chunk as usize];
-        work += 8 + bins.items(segment.number).len() + bins.sums(segment.number).len() / 8;
+        work += 8 + bins.items(segment.number).len();
         end += 1;
         let is_last = rest.get(end).is_none_or(|next| next.brick != segment.brick);
         if is_last && (work >= TASK || end == rest.len()) {
@@ -161,23 +136,58 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
         }
     }
     let (done, total) = (AtomicU64::new(0), segments.len() as u64);
+    // What blocks are worked on with: as many as there are threads.
+    let idle = Mutex::new(Vec::new());
     let packets: Result<Vec<Packet>, VoxelizeError> = tasks
         .par_iter()
         .map(|task| {
-            let packet = packet(job, chunks, bins, task);
+            let packet = if job.is_flat {
+                flat_packet(job, chunks, bins, task, &idle)
+            } else {
+                packet(job, chunks, bins, task)
+            };
             job.finished_bytes.fetch_add(packet.bytes(), Ordering::Relaxed);
             let done = done.fetch_add(task.len() as u64, Ordering::Relaxed) + task.len() as u64;
             job.report(Stage::Cells, done, total).map(|()| packet)
         })
         .collect();
-    for packet in packets? {
-        all.append(packet);
+    let packets = packets?;
+    if job.is_flat {
+        all.append_in_order(packets);
+    } else {
+        packets.into_iter().for_each(|packet| all.append(packet));
     }
     Ok(())
 }
 
+/// Works out the blocks of some segments.
+fn flat_packet<'a>(
+    job: &'a Job<'a>,
+    chunks: &[Chunk],
+    bins: &[Bins],
+    segments: &[Segment],
+    idle: &Mutex<Vec<BlockWorker<'a>>>,
+) -> Packet {
+    let mut packet = Packet::new(job);
+    let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    let worker = idle().pop();
+    let mut worker = worker.unwrap_or_else(|| BlockWorker::new(job));
+    for same_block in segments.chunk_by(|a, b| a.brick == b.brick) {
+        let batches: Vec<Batch<'_>> = same_block.iter().map(|segment| batch(chunks, bins, segment)).collect();
+        worker.block(brick_of(job.along(), same_block[0].brick), &batches, &mut packet);
+    }
+    idle().push(worker);
+    packet
+}
+
+/// The triangles of a segment.
+fn batch<'b>(chunks: &[Chunk], bins: &'b [Bins], segment: &Segment) -> Batch<'b> {
+    let chunk = segment.chunk as usize;
+    Batch { mesh: chunks[chunk].mesh, triangles: bins[chunk].items(segment.number) }
+}
+
 /// Works out the bricks of some segments.
-fn packet(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], segments: &[Segment]) -> Packet {
+fn packet(job: &Job<'_>, chunks: &[Chunk], all_bins: &[Bins], segments: &[Segment]) -> Packet {
     let mut packet = Packet::new(job);
     let mut worker = Worker::new(job);
     let along = bricks_along(job.dims());
@@ -185,13 +195,11 @@ fn packet(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], segments: &[Segment]) 
         let mut mask: Mask = [0; SIDE as usize];
         let mut batches = Vec::with_capacity(same_brick.len());
         for segment in same_brick {
-            let bins = &bins[segment.chunk as usize];
+            let bins = &all_bins[segment.chunk as usize];
             let marked = &bins.masks[segment.number as usize];
             mask.iter_mut().zip(marked).for_each(|(a, b)| *a |= b);
-            let (triangles, sums) = (bins.items(segment.number), bins.sums(segment.number));
-            if !triangles.is_empty() || !sums.is_empty() {
-                let (mesh, closed) = (chunks[segment.chunk as usize].mesh, bins.closed(segment.number));
-                batches.push(Batch { mesh, triangles, mask: marked, sums, closed });
+            if !bins.items(segment.number).is_empty() {
+                batches.push(batch(chunks, all_bins, segment));
             }
         }
         let brick = same_brick[0].brick;

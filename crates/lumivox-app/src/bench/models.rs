@@ -123,6 +123,9 @@ pub(super) fn subjects(gpu: &Gpu, quick: bool) -> Result<Vec<Subject>> {
     Ok(subjects)
 }
 
+/// Triangles of a ball that become one mesh: no buffer of it may outgrow a binding.
+const BAND: u32 = 2_000_000;
+
 /// A bumpy ball of about so many triangles of about one size.
 pub(super) fn ball(triangles: u32) -> Scene {
     let rows = ((f64::from(triangles) / 4.0).sqrt() as u32).max(3);
@@ -134,19 +137,25 @@ pub(super) fn ball(triangles: u32) -> Scene {
             Vec3::new(latitude.sin() * longitude.cos(), latitude.cos(), latitude.sin() * longitude.sin());
         (direction * (1.0 + 0.07 * (5.0 * longitude).sin() * (7.0 * latitude).sin())).to_array()
     };
-    let positions = (0..=rows).flat_map(|row| (0..columns).map(move |column| point(row, column))).collect();
-    let number = |row: u32, column: u32| row * columns + column % columns;
-    let indices = (0..rows).flat_map(|row| {
-        (0..columns).flat_map(move |column| {
-            let corners = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(r, c)| number(row + r, column + c));
-            [[corners[0], corners[1], corners[2]], [corners[1], corners[3], corners[2]]]
-        })
-    });
-    let mesh = lumivox_scene::Mesh::flat("ball", positions, indices.collect(), 0);
+    let band = |from: u32, to: u32| {
+        let positions = (from..=to).flat_map(|row| (0..columns).map(move |column| point(row, column)));
+        let number = |row: u32, column: u32| row * columns + column % columns;
+        let indices = (0..to - from).flat_map(|row| {
+            (0..columns).flat_map(move |column| {
+                let corners = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(r, c)| number(row + r, column + c));
+                [[corners[0], corners[1], corners[2]], [corners[1], corners[3], corners[2]]]
+            })
+        });
+        lumivox_scene::Mesh::flat("ball", positions.collect(), indices.collect(), 0)
+    };
+    let per_band = (BAND / (2 * columns)).max(1);
+    let starts = (0..rows).step_by(per_band as usize);
+    let meshes: Vec<_> = starts.map(|from| band(from, rows.min(from + per_band))).collect();
+    let instance = |mesh| lumivox_scene::Instance { mesh, world_from_local: Mat4::IDENTITY };
     Scene {
-        meshes: vec![mesh],
+        instances: (0..meshes.len()).map(instance).collect(),
+        meshes,
         materials: vec![lumivox_scene::Material::matte("ball", Vec3::splat(0.7))],
-        instances: vec![lumivox_scene::Instance { mesh: 0, world_from_local: Mat4::IDENTITY }],
         ..Scene::default()
     }
 }

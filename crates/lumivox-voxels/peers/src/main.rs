@@ -2,7 +2,7 @@
 //!
 //! `peers MESH.ply [RESOLUTION...]`; the PLY must be binary little-endian with float positions and `uchar int` faces.
 //! The variable `ONLY` picks one contestant by its name, or with `~` before it all that contain it.
-//! Wall times are medians and minima over the rounds; CPU times are what all threads together took, which other
+//! Times are medians and minima over the rounds; CPU times are what all threads together took, which other
 //! programs on the machine change less.
 
 mod dense;
@@ -124,7 +124,10 @@ fn round(mesh: &Mesh, n: u32) -> Result<(), Failure> {
         }
     }
     println!("\n{n} cells along the longest axis, {} turns", entries[0].wall.len());
-    println!("{:34} {:>9} {:>9} {:>9} {:>7} {:>9}", "", "median ms", "min ms", "cpu ms", "ratio", "cells");
+    println!(
+        "{:34} {:>9} {:>9} {:>9} {:>9} {:>7} {:>9}",
+        "", "median ms", "min ms", "cpu ms", "min cpu", "ratio", "cells"
+    );
     let mut base = 0.0;
     for entry in &mut entries {
         entry.wall.sort_by(f64::total_cmp);
@@ -132,10 +135,11 @@ fn round(mesh: &Mesh, n: u32) -> Result<(), Failure> {
         let median = entry.wall[entry.wall.len() / 2];
         base = if base == 0.0 { median } else { base };
         println!(
-            "{:34} {median:9.2} {:9.2} {:9.2} {:7.2} {:9}",
+            "{:34} {median:9.2} {:9.2} {:9.2} {:9.2} {:7.2} {:9}",
             entry.name,
             entry.wall[0],
             entry.cpu[entry.cpu.len() / 2],
+            entry.cpu[0],
             median / base,
             entry.cells
         );

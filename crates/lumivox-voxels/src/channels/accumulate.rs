@@ -92,12 +92,12 @@ impl<'a> Accumulator<'a> {
     /// Adds pieces of flat triangles.
     #[inline(always)]
     pub(crate) fn add_flat(&mut self, cell: usize, piece: &FlatPiece) {
-        self.weights[cell] = self.weights[cell].wrapping_add(piece.weight);
-        self.owed[cell] = self.owed[cell].wrapping_add(piece.weight);
+        self.weights[cell] = self.weights[cell].wrapping_add(piece.weight());
+        self.owed[cell] = self.owed[cell].wrapping_add(piece.weight());
         self.owing[cell >> 6] |= 1 << (cell & 63);
         for lane in &self.normal_lanes {
             if let Some(Lane::Average(sums)) = self.lanes.get_mut(*lane) {
-                for (sum, value) in sums[3 * cell..3 * cell + 3].iter_mut().zip(piece.normal) {
+                for (sum, value) in sums[3 * cell..3 * cell + 3].iter_mut().zip(piece.normal()) {
                     *sum = sum.wrapping_add(i128::from(value));
                 }
             }

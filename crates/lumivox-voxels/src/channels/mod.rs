@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 pub(crate) use accumulate::{Accumulator, Fragment, Parts};
 pub(crate) use flat::{FlatPiece, FlatWriter, takes_flat};
-pub(crate) use numbers::{fixed, unit};
+pub(crate) use numbers::{fixed, to_f64, unit};
 pub use values::{Format, Values};
 
 /// One piece of surface in one cell, as channels see it.

@@ -31,7 +31,7 @@ pub(super) fn integer(v: f64) -> i64 {
 
 /// Most sums fit into 64 bits, whose conversion is an instruction and not a call.
 #[inline]
-pub(super) fn to_f64(sum: i128) -> f64 {
+pub(crate) fn to_f64(sum: i128) -> f64 {
     // Not inlined, or the compiler finds the two to be one.
     #[cold]
     #[inline(never)]

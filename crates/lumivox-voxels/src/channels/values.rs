@@ -1,5 +1,7 @@
 //! Numbers of a channel as they are stored.
 
+use std::ops::Range;
+
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
@@ -109,6 +111,47 @@ impl Values {
         }
     }
 
+    /// Appends the same numbers, at most four, so many times.
+    pub(crate) fn push_copies(&mut self, values: &[f32], count: usize, range: [f32; 2]) {
+        fn copies<T: Copy>(to: &mut Vec<T>, start: usize, count: usize) {
+            // In doubling steps, each of them one copy of memory.
+            let end = start + (to.len() - start) * count;
+            while to.len() < end && to.len() > start {
+                let more = (to.len() - start).min(end - to.len());
+                to.extend_from_within(start..start + more);
+            }
+        }
+        if count == 0 {
+            return;
+        }
+        let start = self.len();
+        self.push(values, range);
+        match self {
+            Self::U8(v) => copies(v, start, count),
+            Self::F16(v) => copies(v, start, count),
+            Self::F32(v) => copies(v, start, count),
+        }
+    }
+
+    /// Makes room for so many numbers more.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        match self {
+            Self::U8(v) => v.reserve(more),
+            Self::F16(v) => v.reserve(more),
+            Self::F32(v) => v.reserve(more),
+        }
+    }
+
+    /// Appends a part of numbers of the same format.
+    pub(crate) fn extend_from(&mut self, other: &Self, range: Range<usize>) {
+        match (self, other) {
+            (Self::U8(to), Self::U8(from)) => to.extend_from_slice(&from[range]),
+            (Self::F16(to), Self::F16(from)) => to.extend_from_slice(&from[range]),
+            (Self::F32(to), Self::F32(from)) => to.extend_from_slice(&from[range]),
+            (to, from) => range.for_each(|n| to.push(&[from.get(n, [0.0, 1.0])], [0.0, 1.0])),
+        }
+    }
+
     /// Appends numbers of the same format.
     pub(crate) fn append(&mut self, other: Self) {
         match (self, other) {
@@ -146,6 +189,20 @@ mod tests {
             assert_eq!(stored.as_bytes().len(), 3 * format.bytes());
             for (n, &value) in values.iter().enumerate() {
                 assert!((stored.get(n, range) - value).abs() <= tolerance, "{format:?} {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn copies_are_what_pushing_again_and_again_gives() {
+        for format in [Format::U8, Format::F16, Format::F32] {
+            for count in [0, 1, 2, 7, 100] {
+                let mut expected = Values::new(format);
+                expected.push(&[0.5], [0.0, 1.0]);
+                let mut copies = expected.clone();
+                (0..count).for_each(|_| expected.push(&[0.1, 0.7, 0.3], [0.0, 1.0]));
+                copies.push_copies(&[0.1, 0.7, 0.3], count, [0.0, 1.0]);
+                assert_eq!(copies, expected);
             }
         }
     }

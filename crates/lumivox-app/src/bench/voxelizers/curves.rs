@@ -72,7 +72,7 @@ pub(super) fn triangles(timer: &Timer<'_>, quick: bool, report: &mut Report) -> 
     let side = if quick { 64 } else { 128 };
     report.say(&format!("A bumpy ball, tessellated, at {side} cells; milliseconds for occupancy."));
     let counts: &[u32] =
-        if quick { &[10_000, 100_000] } else { &[10_000, 40_000, 160_000, 640_000, 2_560_000] };
+        if quick { &[10_000, 100_000] } else { &[10_000, 40_000, 160_000, 640_000, 2_560_000, 10_240_000] };
     let mut curves = Curves::new("triangles");
     for &count in counts {
         let subject = Subject::new(timer.gpu, "Bumpy ball", ball(count))?;

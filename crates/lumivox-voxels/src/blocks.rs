@@ -1,0 +1,197 @@
+//! Blocks of flat triangles, all of one colour, to cells and their values.
+//!
+//! To find the cells of such a triangle takes as long as to sum what it leaves there. So each is looked at once for a block of
+//! 32 x 32 x 32 cells, of which a surface touches few enough that their sums stay in a processor's cache: an area and
+//! an area times a normal for each cell, as integers, so that no order matters.
+
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use crate::areas::Areas;
+use crate::cells::{Batch, SHARE};
+use crate::channels::{FlatPiece, FlatWriter, to_f64};
+use crate::coverage::{CellBox, Coverage};
+use crate::job::{Job, Reached};
+use crate::packet::Packet;
+use crate::sparse::{CELLS, Mask, SHIFT, SIDE, brick_index, bricks_along};
+use crate::surface::{Face, FlatFace};
+
+/// Cell coordinates shifted by this are block coordinates.
+pub(crate) const BLOCK_SHIFT: u32 = 5;
+/// Bricks along each axis of a block, and in it.
+const BRICKS_ALONG: u32 = 1 << (BLOCK_SHIFT - SHIFT);
+const BRICKS: usize = (BRICKS_ALONG * BRICKS_ALONG * BRICKS_ALONG) as usize;
+/// Sums are put aside before their normals could overflow: at 256 cell faces.
+const LONGEST: i64 = 1 << 30;
+
+/// What a thread works with.
+pub(crate) struct BlockWorker<'a> {
+    job: &'a Job<'a>,
+    areas: Areas,
+    /// Of each brick and cell; those that are not marked hold anything.
+    sums: Vec<[i64; 4]>,
+    /// Marked cells, brick after brick.
+    marks: [u64; BRICKS * SIDE as usize],
+    /// Sums that were put aside, and their cells.
+    aside: Vec<(u32, FlatPiece)>,
+    colors: Vec<[i64; 4]>,
+    writer: FlatWriter,
+}
+
+impl<'a> BlockWorker<'a> {
+    pub(crate) fn new(job: &'a Job<'a>) -> Self {
+        let mut colors = vec![[0; 4]; job.channels.len()];
+        if let Some(face) = Face::flat(job, 0) {
+            face.shade_flat(job.channels, &mut colors);
+        }
+        Self {
+            job,
+            areas: Areas::default(),
+            sums: vec![[0; 4]; BRICKS * CELLS],
+            marks: [0; BRICKS * SIDE as usize],
+            aside: Vec::new(),
+            colors,
+            writer: FlatWriter::new(),
+        }
+    }
+
+    /// Works out a block and appends its bricks.
+    pub(crate) fn block(&mut self, block: UVec3, batches: &[Batch<'_>], packet: &mut Packet) {
+        let count: usize = batches.iter().map(|batch| batch.triangles.len()).sum();
+        if count > 2 * SHARE && rayon::current_num_threads() > 1 {
+            self.shared(block, batches);
+        } else {
+            batches.iter().for_each(|batch| self.batch(block, batch));
+        }
+        self.write(block, packet);
+    }
+
+    /// Many triangles, in parts that go to threads.
+    fn shared(&mut self, block: UVec3, batches: &[Batch<'_>]) {
+        let parts: Vec<Batch<'_>> = batches
+            .iter()
+            .flat_map(|batch| batch.triangles.chunks(SHARE).map(|triangles| Batch { triangles, ..*batch }))
+            .collect();
+        let group = parts.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let done: Vec<Self> = parts
+            .par_chunks(group)
+            .map(|parts| {
+                let mut worker = Self::new(self.job);
+                parts.iter().for_each(|part| worker.batch(block, part));
+                worker
+            })
+            .collect();
+        for mut part in done {
+            for (n, word) in part.marks.into_iter().enumerate() {
+                bits(word).for_each(|bit| self.add(64 * n + bit, &FlatPiece(part.sums[64 * n + bit])));
+            }
+            self.aside.append(&mut part.aside);
+        }
+    }
+
+    fn batch(&mut self, block: UVec3, batch: &Batch<'_>) {
+        let job = self.job;
+        let low = block.as_ivec3() << BLOCK_SHIFT;
+        let cells = CellBox { low, high: low + ((1 << BLOCK_SHIFT) - 1) };
+        let cells = cells.intersection(&CellBox::of_grid(job.dims()));
+        let Some(face) = Face::flat(job, batch.mesh) else { return };
+        let mut areas = std::mem::take(&mut self.areas);
+        let is_exact = job.coverage == Coverage::Exact;
+        for &number in batch.triangles {
+            let Some(reach) = job.reach(batch.mesh, number) else { continue };
+            if let (true, Reached::One(cell)) = (is_exact, &reach) {
+                // Listed here, so that it is here.
+                let cell = cell.cell();
+                let normal = job.triangle(batch.mesh, number, CellBox { low: cell, high: cell }).normal();
+                if let Some(direction) = face.direction_of(number, normal, job.asked.normal) {
+                    self.add(place(cell - low), &FlatFace::whole(normal, direction));
+                }
+                continue;
+            }
+            let triangle = job.triangle(batch.mesh, number, reach.cells());
+            let normal = triangle.normal();
+            let Some(direction) = face.direction_of(number, normal, job.asked.normal) else { continue };
+            let face = FlatFace::new(normal, direction);
+            areas.for_each(job.coverage, &triangle, (normal, face.length), &cells, |cell, area| {
+                self.add(place(cell - low), &face.piece(area));
+            });
+        }
+        self.areas = areas;
+    }
+
+    /// Adds a piece to the cell at a place, and marks it.
+    #[inline(always)]
+    fn add(&mut self, place: usize, piece: &FlatPiece) {
+        let (word, bit) = (&mut self.marks[place >> 6], 1 << (place & 63));
+        let sum = &mut self.sums[place];
+        if *word & bit == 0 {
+            *word |= bit;
+            *sum = piece.0;
+            return;
+        }
+        if sum[0] >= LONGEST {
+            self.aside.push((place as u32, FlatPiece(*sum)));
+            *sum = [0; 4];
+        }
+        sum.iter_mut().zip(piece.0).for_each(|(sum, number)| *sum += number);
+    }
+
+    /// Appends the bricks that have cells, and forgets them.
+    fn write(&mut self, block: UVec3, packet: &mut Packet) {
+        let Self { job, sums, marks, aside, colors, writer, .. } = self;
+        let along = bricks_along(job.dims());
+        aside.sort_unstable_by_key(|(place, _)| *place);
+        for (n, marks) in marks.chunks_exact_mut(SIDE as usize).enumerate() {
+            let mask: Mask = std::array::from_fn(|z| std::mem::take(&mut marks[z]));
+            if mask == [0; SIDE as usize] {
+                continue;
+            }
+            let number = n as u32;
+            let within = UVec3::new(
+                number % BRICKS_ALONG,
+                number / BRICKS_ALONG % BRICKS_ALONG,
+                number / (BRICKS_ALONG * BRICKS_ALONG),
+            );
+            packet.bricks.push(brick_index(along, BRICKS_ALONG * block + within));
+            packet.masks.push(mask);
+            let places = (0..mask.len()).flat_map(|z| bits(mask[z]).map(move |bit| 64 * z + bit));
+            let sums = &sums[CELLS * n..CELLS * (n + 1)];
+            let values = &mut packet.values;
+            if aside.is_empty() {
+                let sums = places.map(|place| sums[place].map(|sum| sum as f64));
+                writer.write(job.channels, colors, sums, values);
+            } else {
+                let sums = places.map(|place| all(&sums[place], (CELLS * n + place) as u32, aside));
+                writer.write(job.channels, colors, sums, values);
+            }
+        }
+        aside.clear();
+    }
+}
+
+/// A sum with those of the same place that were put aside, which are in order.
+fn all(sum: &[i64; 4], place: u32, aside: &[(u32, FlatPiece)]) -> [f64; 4] {
+    let first = aside.partition_point(|(other, _)| *other < place);
+    let mut all = sum.map(i128::from);
+    for (_, piece) in aside[first..].iter().take_while(|(other, _)| *other == place) {
+        all.iter_mut().zip(piece.0).for_each(|(all, number)| *all += i128::from(number));
+    }
+    all.map(to_f64)
+}
+
+/// The place of a cell in a block: its brick, and its place there.
+#[inline(always)]
+fn place(cell: IVec3) -> usize {
+    let IVec3 { x, y, z } = cell;
+    let brick = x >> 3 | (y >> 3) << 2 | (z >> 3) << 4;
+    (brick << 9 | (x & 7) | (y & 7) << 3 | (z & 7) << 6) as usize
+}
+
+/// The bits that are set, in order.
+fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (word != 0).then(|| word.trailing_zeros())?;
+        word &= word - 1;
+        Some(bit as usize)
+    })
+}
