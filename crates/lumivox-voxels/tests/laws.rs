@@ -103,6 +103,32 @@ fn crowded_bricks_are_shared_without_changing_a_bit() {
     }
 }
 
+/// So much surface in one cell that sums do not fit in a word, for one mesh and for two, and in the long way.
+#[test]
+fn cells_full_of_surface_lose_none_of_it() {
+    let mut dice = Dice(8);
+    let soup = Soup::of((0..9_000).map(|n| {
+        let up = if n % 3 == 0 { 0.1 } else { 0.9 };
+        [[0.0, 0.0, 0.1], [0.9, 0.1, up], [0.1, 0.9, 0.1]]
+            .map(|corner| Vec3::splat(2.05) + 0.9 * Vec3::from(corner) + 0.01 * dice.point())
+    }));
+    let (first, second) = soup.indices.split_at(7000);
+    let part = |indices| MeshView::new(TriangleView { positions: &soup.positions, indices });
+    let split = Model { meshes: vec![part(second), part(first)], materials: Vec::new() };
+    let run = |model: &Model<'_>, channels| with(model, unit_grid(5, 5, 5), Coverage::Exact, channels);
+    let volume = run(&Model::from(soup.view()), plain_channels());
+    assert_eq!(volume.len(), 1);
+    assert_same_bits(&volume, &run(&split, plain_channels()));
+    let mut long = plain_channels();
+    long.push(Channel::area());
+    let long = run(&split, long);
+    let cell = UVec3::splat(2);
+    assert!(long.value("area", cell).unwrap().x > 2000.0);
+    let apart = (volume.value("normal", cell).unwrap() - long.value("normal", cell).unwrap()).abs();
+    assert!(apart.max_element() < 1e-5, "{apart}");
+    assert_eq!(volume.value("albedo", cell), long.value("albedo", cell));
+}
+
 /// The short way of summing has the means of the long way, whatever the materials and however they are told.
 #[test]
 fn plain_channels_have_the_means_of_all_others() {
@@ -162,30 +188,34 @@ fn channels_change_no_cell() {
 
 #[test]
 fn lists_that_fit_only_slab_by_slab_change_nothing() {
-    let soup = soup();
-    let model = Model::from(soup.view());
-    let binned = AtomicU64::new(0);
-    let count = |progress: Progress| {
-        if progress.stage == Stage::Binning {
-            binned.fetch_add(1, Ordering::Relaxed);
-        }
-        ControlFlow::Continue(())
-    };
-    let mut options = VoxelizeOptions {
-        grid: GridSpec::Grid(unit_grid(33, 31, 32)),
-        channels: vec![Channel::albedo()],
-        progress: Some(&count),
-        ..VoxelizeOptions::default()
-    };
-    let all_at_once = voxelize(&model, &options).unwrap();
-    let once = binned.swap(0, Ordering::Relaxed);
-    options.memory_limit = 400_000;
-    assert_same_bits(&all_at_once, &voxelize(&model, &options).unwrap());
-    // Two halves at least, and what was given up.
-    assert!(binned.load(Ordering::Relaxed) > 2 * once, "was it split at all?");
-    options.memory_limit = 20_000;
-    let error = voxelize(&model, &options).unwrap_err();
-    assert!(matches!(error, VoxelizeError::TooLarge { limit: 20_000, .. }), "{error}");
+    // Flat triangles go by larger cubes than others, and have shorter lists.
+    for (channel, limit) in [(Channel::area(), 140_000), (Channel::albedo(), 120_000)] {
+        let mut soup = soup();
+        soup.positions.iter_mut().for_each(|p| p[2] += 16.0);
+        let model = Model::from(soup.view());
+        let binned = AtomicU64::new(0);
+        let count = |progress: Progress| {
+            if progress.stage == Stage::Binning {
+                binned.fetch_add(1, Ordering::Relaxed);
+            }
+            ControlFlow::Continue(())
+        };
+        let mut options = VoxelizeOptions {
+            grid: GridSpec::Grid(unit_grid(33, 31, 64)),
+            channels: vec![channel],
+            progress: Some(&count),
+            ..VoxelizeOptions::default()
+        };
+        let all_at_once = voxelize(&model, &options).unwrap();
+        let once = binned.swap(0, Ordering::Relaxed);
+        options.memory_limit = limit;
+        assert_same_bits(&all_at_once, &voxelize(&model, &options).unwrap());
+        // Two halves at least, and what was given up.
+        assert!(binned.load(Ordering::Relaxed) > 2 * once, "was it split at all with {limit}?");
+        options.memory_limit = 20_000;
+        let error = voxelize(&model, &options).unwrap_err();
+        assert!(matches!(error, VoxelizeError::TooLarge { limit: 20_000, .. }), "{error}");
+    }
 }
 
 #[test]
