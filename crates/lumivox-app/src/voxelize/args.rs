@@ -49,7 +49,7 @@ pub(crate) struct VoxelizeArgs {
     #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     pub(crate) pad: u32,
     /// Move corners onto cell boundaries that are this near, in cells: 0.001 heals faces that miss the grid by rounding.
-    #[arg(long, value_name = "CELLS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = snap)]
+    #[arg(long, value_name = "CELLS", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) snap: f64,
     /// Which cells a triangle marks: all that it touches, the fewest that let no path of face neighbours through, or one per column
     /// of the axis that it faces most. Exact unless said otherwise; sampled for the methods that rasterize.
@@ -90,12 +90,6 @@ pub(crate) struct VoxelizeArgs {
     /// Write what was done as one JSON object.
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
-}
-
-/// At most half a cell: beyond that no boundary is the nearest.
-fn snap(text: &str) -> Result<f64, String> {
-    let cells: f64 = text.parse().map_err(|_| "no number".to_owned())?;
-    if (0.0..=0.5).contains(&cells) { Ok(cells) } else { Err("corners move by 0 to 0.5 cells".to_owned()) }
 }
 
 impl VoxelizeArgs {
