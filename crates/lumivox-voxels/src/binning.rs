@@ -119,8 +119,8 @@ fn sorted<T: Copy>(numbers: usize, items: impl Iterator<Item = (u32, T)> + Clone
     (starts, sorted)
 }
 
-/// Sorts a chunk into the bricks of `slab`, or blocks where these are what the job is split in; none if, with what other chunks have counted in `pairs`, there would be more
-/// than `budget` pairs of triangle and brick.
+/// Sorts a chunk into the bricks of `slab`, or blocks where these are what the job is split in; none if, with what
+/// other chunks have counted in `pairs`, there would be more than `budget` pairs of triangle and brick.
 pub(crate) fn bin(
     job: &Job<'_>,
     chunk: &Chunk,

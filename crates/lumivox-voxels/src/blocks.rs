@@ -1,8 +1,8 @@
 //! Blocks of flat triangles, all of one colour, to cells and their values.
 //!
-//! To find the cells of such a triangle takes as long as to sum what it leaves there. So each is looked at once for a block of
-//! 32 x 32 x 32 cells, of which a surface touches few enough that their sums stay in a processor's cache: an area and
-//! an area times a normal for each cell, as integers, so that no order matters.
+//! To find the cells of such a triangle takes as long as to sum what it leaves there. So each is looked at once for a
+//! block of 32 x 32 x 32 cells, of which a surface touches few enough that their sums stay in a processor's cache: an
+//! area and an area times a normal for each cell, as integers, so that no order matters.
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;

@@ -28,9 +28,9 @@ pub(crate) struct Areas {
 }
 
 impl Areas {
-    /// Calls `add` for each cell of `within` that a triangle marks in exact or thin coverage, with the area in it. `normal` is
-    /// square to the triangle and `length` long, twice its area. Work and memory grow with the cells of `within` around
-    /// the triangle.
+    /// Calls `add` for each cell of `within` that a triangle marks in exact or thin coverage, with the area in it.
+    /// `normal` is square to the triangle and `length` long, twice its area. Work and memory grow with the cells of
+    /// `within` around the triangle.
     #[inline(always)]
     pub(crate) fn for_each(
         &mut self,

@@ -1,5 +1,5 @@
-//! Areas of the parts of a triangle in four cells around an edge of the grid, which most small triangles reach: two cuts, and the
-//! quarter that both cut off.
+//! Areas of the parts of a triangle in four cells around an edge of the grid, which most small triangles reach: two
+//! cuts, and the quarter that both cut off.
 
 use glam::{DVec2, DVec3, IVec3};
 
@@ -20,8 +20,8 @@ pub(super) struct Quarters {
 }
 
 impl Quarters {
-    /// The shares of a triangle that reaches four such cells and touches `cells`, three or all of them; none if it is another triangle,
-    /// or not all that it touches are there.
+    /// The shares of a triangle that reaches four such cells and touches `cells`, three or all of them; none if it is
+    /// another triangle, or not all that it touches are there.
     #[inline]
     pub(super) fn of(triangle: &Triangle, normal: DVec3, cells: &[IVec3]) -> Option<Self> {
         let CellBox { low, high } = triangle.reach;
@@ -62,7 +62,8 @@ impl Quarters {
     }
 }
 
-/// The area of a triangle where no coordinate is negative, with a sign: what lies there to the left of each edge (Green's theorem).
+/// The area of a triangle where no coordinate is negative, with a sign: what lies there to the left of each edge
+/// (Green's theorem).
 fn quarter(corners: [DVec2; 3]) -> f64 {
     let mut sum = 0.0;
     for n in 0..3 {

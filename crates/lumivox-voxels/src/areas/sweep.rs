@@ -1,11 +1,12 @@
 //! Areas of the parts of a triangle in all cells of a box at once, by sums along its edges.
 //!
 //! Seen along an axis that the triangle faces, a layer of cells holds a polygon of it. Its area in a square is what
-//! lies to the right of its edges there, with the signs of their directions (Green's theorem). So each edge adds to the squares that it
-//! passes what it climbs in them, shared with the next square by how far to the right it runs, and running sums
-//! along the rows make areas of this, as in scan converters that smooth the outlines of letters. Edges of the polygons are parts of the
-//! triangle's and chords at the boundaries of layers, each of which two layers share. The work grows with the
-//! length of the edges, and a cell inside takes one addition, where cutting polygons takes it all for every cell.
+//! lies to the right of its edges there, with the signs of their directions (Green's theorem). So each edge adds to
+//! the squares that it passes what it climbs in them, shared with the next square by how far to the right it runs, and
+//! running sums along the rows make areas of this, as in scan converters that smooth the outlines of letters. Edges of
+//! the polygons are parts of the triangle's and chords at the boundaries of layers, each of which two layers share.
+//! The work grows with the length of the edges, and a cell inside takes one addition, where cutting polygons takes it
+//! all for every cell.
 
 use glam::{DVec3, IVec3, Vec3Swizzles};
 
@@ -14,7 +15,8 @@ use crate::coverage::{CellBox, Triangle, dominant};
 /// The sums of one triangle, along axes of which the last is one that the triangle faces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sweep {
-    /// First what edges add to cell `(x, y, z)`, at `(x y_count + y) z_count + z`, then areas; one more `x` than there are cells.
+    /// First what edges add to cell `(x, y, z)`, at `(x y_count + y) z_count + z`, then areas; one more `x` than there
+    /// are cells.
     sums: Vec<f64>,
     axis: usize,
     low: IVec3,

@@ -19,8 +19,8 @@ pub(crate) fn takes_flat(channels: &[Channel]) -> bool {
     !channels.is_empty() && channels.iter().all(takes)
 }
 
-/// Pieces of flat triangles, as sums see them: first their areas in steps of weights, then their areas times unit normals, in
-/// steps of weights times steps of values.
+/// Pieces of flat triangles, as sums see them: first their areas in steps of weights, then their areas times unit
+/// normals, in steps of weights times steps of values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlatPiece(pub(crate) [i64; 4]);
 
