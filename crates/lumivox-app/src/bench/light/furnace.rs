@@ -53,9 +53,9 @@ pub(super) fn run(gpu: &Gpu, report: &mut Report) -> Result<()> {
             }
         }
         let ratios = || before.iter().map(|p| p.x / expected.x);
-        let mean = ratios().sum::<f32>() / before.len() as f32;
+        let mean = ratios().map(f64::from).sum::<f64>() / before.len() as f64;
         let (least, most) = (ratios().fold(f32::INFINITY, f32::min), ratios().fold(0.0, f32::max));
-        for (metric, value) in [("mean of the closed form", f64::from(mean)), ("frames", f64::from(frames))] {
+        for (metric, value) in [("mean of the closed form", mean), ("frames", f64::from(frames))] {
             report.push(Row {
                 figure: "Furnace",
                 case: format!("albedo {albedo}"),
@@ -66,7 +66,7 @@ pub(super) fn run(gpu: &Gpu, report: &mut Report) -> Result<()> {
                 note: String::new(),
             });
         }
-        let numbers = [mean, least, most].map(|r| format!("{r:.4}"));
+        let numbers = [mean, f64::from(least), f64::from(most)].map(|r| format!("{r:.4}"));
         lines.push([albedo.to_string()].into_iter().chain(numbers).chain([frames.to_string()]).collect());
     }
     report.table(&["albedo", "mean", "least", "most", "frames"].map(str::to_owned), &lines);
