@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         voxels.record(&mut encoder, eye, &view)?;
         host.queue.submit([encoder.finish()]);
         let done = voxels.volume.diagnostics(&voxels.gpu, None)?;
-        println!(
+        eprintln!(
             "frame {frame}: {} cells in {} bricks, {} new, {} cleaned, {} bytes",
             done.occupied, done.bricks, done.new, done.cleaned, done.bytes
         );

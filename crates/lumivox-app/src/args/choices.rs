@@ -37,6 +37,8 @@ pub(crate) enum CleanupArg {
     Center,
     /// What stands behind all of it lies farther.
     Footprint,
+    /// Everywhere what stands behind it lies farther: clears more beside floors and walls.
+    Rays,
 }
 
 impl From<CleanupArg> for CleanupRule {
@@ -44,6 +46,7 @@ impl From<CleanupArg> for CleanupRule {
         match arg {
             CleanupArg::Center => Self::Center,
             CleanupArg::Footprint => Self::Footprint,
+            CleanupArg::Rays => Self::Rays,
         }
     }
 }

@@ -1,9 +1,11 @@
-// The rule `footprint`: whether a view proves a whole cell empty. Goes with a shader that declares `grid`, `view` and
+// The rules `footprint` and `rays`: whether a view proves a whole cell empty. Goes with a shader that declares `grid`, `view` and
 // `depth`; `levels` are made by progressive/nearest.
 
 @group(0) @binding(12) var<storage, read> levels: array<u32>;
 
 override SURFACE_SHIFT: f32;
+// Whether each texel is held against the depth at which its ray leaves the cell, in place of that of the cell's farthest corner.
+override BY_RAYS: bool;
 
 // A footprint that is wider than this many texels is looked at in blocks of 2, 4, 8.. of them.
 const FINE_LOG2: u32 = 3u;
@@ -53,6 +55,30 @@ fn nearest_depth(block: vec2u, level: u32) -> f32 {
     return bitcast<f32>(levels[levels[level] + block.x + columns * block.y]);
 }
 
+// The depth at which rays through the middles of these texels have left a cube with this middle, for the last of them.
+fn exit_depth(middle: vec3f, half_side: f32, low: vec2u, high: vec2u, farthest: f32) -> f32 {
+    let is_reversed = view.far_depth == 0.0;
+    let first = ndc_from_uv((vec2f(low) + 0.5) / vec2f(view.size));
+    let last = ndc_from_uv((vec2f(high) + 0.5) / vec2f(view.size));
+    let center = 0.5 * (first + last);
+    let reach = 0.5 * abs(last - first);
+    var depth_there = farthest;
+    for (var face = 0u; face < 6u; face++) {
+        var outward = vec3f(0.0);
+        outward[face / 2u] = f32(face % 2u) * 2.0 - 1.0;
+        // Zero on the face's plane, positive beyond it.
+        let plane = vec4f(outward, -dot(outward, middle) - half_side) * view.world_from_clip;
+        let away = select(plane.z, -plane.z, is_reversed);
+        // Rays come in by the others.
+        if away > 0.0 {
+            let at = -(dot(plane.xy, center) + plane.w) / plane.z;
+            let more = dot(abs(plane.xy / plane.z), reach);
+            depth_there = select(min(depth_there, at + more), max(depth_there, at - more), is_reversed);
+        }
+    }
+    return depth_there;
+}
+
 fn proven_empty_cube(middle: vec3f, half_side: f32) -> bool {
     let print = footprint(middle, half_side);
     if !print.is_whole {
@@ -64,15 +90,23 @@ fn proven_empty_cube(middle: vec3f, half_side: f32) -> bool {
     let count = (print.high >> vec2u(level)) - first + 1u;
     let is_reversed = view.far_depth == 0.0;
     for (var n = 0u; n < count.x * count.y; n++) {
-        let recorded = nearest_depth(first + vec2u(n % count.x, n / count.x), level);
-        if !select((recorded > print.farthest), (recorded < print.farthest), is_reversed) {
+        let block = first + vec2u(n % count.x, n / count.x);
+        let recorded = nearest_depth(block, level);
+        var beyond = print.farthest;
+        if BY_RAYS {
+            let low = block << vec2u(level);
+            let high = min(low + (1u << level), view.size) - 1u;
+            beyond = exit_depth(middle, half_side, low, high, print.farthest);
+        }
+        if !select((recorded > beyond), (recorded < beyond), is_reversed) {
             return false;
         }
     }
     return true;
 }
 
-// A cell holds points of surfaces that lie up to the shift before it.
+// A cell holds points of surfaces that lie up to the shift before it. Rays leave as much room again for rounding.
 fn proven_empty(cell: vec3u) -> bool {
-    return proven_empty_cube(cell_center(grid, cell), grid.cell_size * (0.5 + SURFACE_SHIFT));
+    let shift = select(SURFACE_SHIFT, 2.0 * SURFACE_SHIFT, BY_RAYS);
+    return proven_empty_cube(cell_center(grid, cell), grid.cell_size * (0.5 + shift));
 }

@@ -83,7 +83,7 @@ fn equal_to_dense(labs: &Labs) -> Result<(), Failed> {
         .chain(ODD_SEEDS)
         .map(|seed| random_shot(gpu, &grid(), seed))
         .collect::<Result<_, _>>()?;
-    for rule in [CleanupRule::Center, CleanupRule::Footprint] {
+    for rule in [CleanupRule::Center, CleanupRule::Footprint, CleanupRule::Rays] {
         let (mut compared, mut cleaned) = (0, 0);
         for (number, run) in shots.chunks_exact(12).step_by(2).enumerate() {
             let mut dense = World::new(&labs.core, grid())?;

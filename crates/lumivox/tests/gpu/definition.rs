@@ -1,11 +1,11 @@
 //! What cleanup, injection and the single pass are defined to do, in double precision and without the shaders' code, for one cell or sample
 //! at a time. Verdicts that single precision may turn over are marked as such.
 
-use lumivox::core::{Grid, View};
+use lumivox::core::{Grid, Projection, View};
 use lumivox::glam::{DVec2, DVec3, DVec4, IVec3, UVec2, UVec3};
 use lumivox::progressive::{InjectionPattern, SURFACE_SHIFT};
 
-use crate::picture::{lifted, ndc_of_texel};
+use crate::picture::{lifted, ndc_of_texel, ray};
 use crate::support::{SCALE, Shot};
 
 /// Distance from the eye along the view direction, in double precision.
@@ -71,13 +71,19 @@ pub(crate) fn proven_empty(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<bool
 
 /// Whether cleanup by footprint clears a cell; none when that is too close to call.
 pub(crate) fn proven_empty_whole(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<bool> {
-    let [sooner, later] = [-1.0, 1.0].map(|margin| whole_verdict(shot, grid, cell, margin));
+    let [sooner, later] = [-1.0, 1.0].map(|margin| whole_verdict(shot, grid, cell, margin, false));
+    (sooner == later).then_some(sooner)
+}
+
+/// The same of cleanup by rays.
+pub(crate) fn proven_empty_by_rays(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<bool> {
+    let [sooner, later] = [-1.0, 1.0].map(|margin| whole_verdict(shot, grid, cell, margin, true));
     (sooner == later).then_some(sooner)
 }
 
 /// The verdict when the cell's footprint is larger by `margin` times what single precision may be off, and its farthest
 /// corner so much farther.
-fn whole_verdict(shot: &Shot, grid: &Grid, cell: UVec3, margin: f64) -> bool {
+fn whole_verdict(shot: &Shot, grid: &Grid, cell: UVec3, margin: f64, by_rays: bool) -> bool {
     const TEXELS: f64 = 1e-4;
     const DEPTH: f64 = 2e-6;
     let (size, is_reversed) = (shot.picture.size.as_dvec2(), shot.view.reversed_depth);
@@ -85,11 +91,12 @@ fn whole_verdict(shot: &Shot, grid: &Grid, cell: UVec3, margin: f64) -> bool {
     let away = |depth: f64| if is_reversed { 1.0 - depth } else { depth };
     let cell_size = f64::from(grid.cell_size);
     let middle = grid.origin.as_dvec3() + cell_size * (cell.as_dvec3() + 0.5);
+    let half_side = cell_size * (0.5 + if by_rays { 2.0 } else { 1.0 } * SURFACE_SHIFT);
     let (mut low, mut high) = (DVec2::splat(f64::MAX), DVec2::splat(f64::MIN));
     let mut farthest = 0f64;
     for corner in 0..8 {
         let side = DVec3::from_array(std::array::from_fn(|i| f64::from(corner >> i & 1) - 0.5));
-        let point = middle + (1.0 + 2.0 * SURFACE_SHIFT) * cell_size * side;
+        let point = middle + 2.0 * half_side * side;
         let clip: DVec4 = shot.view.clip_from_world.as_dmat4() * point.extend(1.0);
         let ndc = clip.truncate() / clip.w;
         if clip.w <= 0.0 || away(ndc.z) < margin * DEPTH {
@@ -109,11 +116,62 @@ fn whole_verdict(shot: &Shot, grid: &Grid, cell: UVec3, margin: f64) -> bool {
     let block = (0..).map(|level| 1u32 << level).find(|block| across < 8 * block).unwrap_or(1);
     let (first, last) =
         (first / block * block, (last / block * block + block - 1).min(shot.picture.size - 1));
+    if by_rays {
+        let blocks = |low: u32, high: u32| (low..=high).step_by(block as usize);
+        return blocks(first.y, last.y).flat_map(|y| blocks(first.x, last.x).map(move |x| (x, y))).all(
+            |(x, y)| {
+                let from = UVec2::new(x, y);
+                let to = (from + block - 1).min(shot.picture.size - 1);
+                let left = exit_away(shot, (middle, half_side), from, to, margin * TEXELS).min(farthest);
+                (from.y..=to.y).all(|y| {
+                    let row = (y * shot.picture.size.x) as usize;
+                    let texels = &shot.picture.depth[row + from.x as usize..=row + to.x as usize];
+                    texels.iter().all(|depth| away(f64::from(*depth)) > left + margin * DEPTH)
+                })
+            },
+        );
+    }
     (first.y..=last.y).all(|y| {
         let row = (y * shot.picture.size.x) as usize;
         let texels = &shot.picture.depth[row + first.x as usize..=row + last.x as usize];
         texels.iter().all(|depth| away(f64::from(*depth)) > farthest + margin * DEPTH)
     })
+}
+
+/// How far away, in depth, rays through the middles of a block of texels have left a cube: for each face that they leave by, the last
+/// of the block's corners, and of these the first. Texels are moved by a margin, to where their rays leave later, or sooner
+/// if it is negative.
+fn exit_away(shot: &Shot, (middle, half_side): (DVec3, f64), from: UVec2, to: UVec2, margin: f64) -> f64 {
+    let (view, size) = (&shot.view, shot.picture.size.as_dvec2());
+    let clip_from_world = view.clip_from_world.as_dmat4();
+    let eye = view.eye().as_dvec3();
+    let corners = [from, UVec2::new(from.x, to.y), UVec2::new(to.x, from.y), to];
+    let moves = [DVec2::ZERO, DVec2::ONE, DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0)];
+    let mut left = f64::MAX;
+    for (axis, sign) in (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+        let plane = middle[axis] + sign * half_side;
+        let leaves_at = |at: DVec2| {
+            let at = at / size;
+            let (start, along) = ray(view, DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y));
+            if sign * along[axis] <= 0.0 {
+                return f64::MAX;
+            }
+            let point = start + (plane - start[axis]) / along[axis] * along;
+            let depth = clip_from_world.project_point3(point).z;
+            if view.reversed_depth { 1.0 - depth } else { depth }
+        };
+        // Rays leave by the faces that look away from the eye.
+        if view.projection == Projection::Perspective && sign * (eye[axis] - plane) >= 0.0 {
+            continue;
+        }
+        let of_corner = |corner: UVec2| {
+            let all = moves.map(|moved| leaves_at(corner.as_dvec2() + 0.5 + margin.abs() * moved));
+            let pick = if margin > 0.0 { f64::max } else { f64::min };
+            all.into_iter().fold(all[0], pick)
+        };
+        left = left.min(corners.map(of_corner).into_iter().fold(f64::MIN, f64::max));
+    }
+    left
 }
 
 /// What the single pass does with a cell.

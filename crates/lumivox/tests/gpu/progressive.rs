@@ -7,7 +7,9 @@ use lumivox::gpu::Gpu;
 use lumivox::progressive::{CHANNELS, CleanupRule, InjectionPattern};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
-use crate::definition::{Sums, defined_sums, defined_sums_of, is_taken, proven_empty, proven_empty_whole};
+use crate::definition::{
+    Sums, defined_sums, defined_sums_of, is_taken, proven_empty, proven_empty_by_rays, proven_empty_whole,
+};
 use crate::picture::{Paint, Picture, Shape, Thing};
 use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
 use crate::support::{Lab, SCALE, Shot, World, channel, is_mean};
@@ -17,7 +19,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("progressive: cleanup clears what its definition clears", cleanup_is_its_definition),
     ("progressive: cleanup by random views is its definition", cleanup_by_random_views),
     ("progressive: cleanup of cells that cover many texels is its definition", cleanup_of_wide_cells),
-    ("progressive: by footprint no view clears a cell that it injects into", footprint_holds),
+    ("progressive: by footprint and by rays no view clears a cell that it injects into", footprint_holds),
+    ("progressive: rays clear what is left on a floor, and footprints do not", rays_clear_beside_floors),
     ("progressive: injection by random views is its definition", injection_by_random_views),
     ("progressive: injection fills what its definition fills", injection_is_its_definition),
     ("progressive: half the points inject half the picture", coarse_injection_is_its_definition),
@@ -66,12 +69,13 @@ pub(crate) fn views() -> [(&'static str, View); 3] {
 
 pub(crate) const SIZE: UVec2 = UVec2::new(80, 64);
 
-const RULES: [CleanupRule; 2] = [CleanupRule::Center, CleanupRule::Footprint];
+const RULES: [CleanupRule; 3] = [CleanupRule::Center, CleanupRule::Footprint, CleanupRule::Rays];
 
 fn defined(rule: CleanupRule, shot: &Shot, cell: UVec3) -> Option<bool> {
     match rule {
         CleanupRule::Center => proven_empty(shot, &grid(), cell),
         CleanupRule::Footprint => proven_empty_whole(shot, &grid(), cell),
+        CleanupRule::Rays => proven_empty_by_rays(shot, &grid(), cell),
     }
 }
 
@@ -138,8 +142,10 @@ fn cleanup_of_wide_cells(labs: &Labs) -> Result<(), Failed> {
             Mat4::from_translation(aside) * Mat4::from_scale(Vec3::new(8.0, 8.0, 1.0)) * view.clip_from_world;
         for things in [vec![FLOOR, BALL, CHEST], vec![CHEST], Vec::new()] {
             let shot = Shot::take(gpu, near, UVec2::new(251, 190), &things)?;
-            let counts = check_cleanup(&labs.core, &shot, CleanupRule::Footprint, name)?;
-            all = std::array::from_fn(|i| all[i] + counts[i]);
+            for rule in [CleanupRule::Footprint, CleanupRule::Rays] {
+                let counts = check_cleanup(&labs.core, &shot, rule, name)?;
+                all = std::array::from_fn(|i| all[i] + counts[i]);
+            }
         }
     }
     eprintln!("cleanup of wide cells: cleared, kept, too close to call {all:?}");
@@ -147,10 +153,30 @@ fn cleanup_of_wide_cells(labs: &Labs) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Cells that stand on a floor which passes through the cells below them.
+fn rays_clear_beside_floors(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let view = views()[0].1;
+    let [with, without] = [&[FLOOR, CHEST][..], &[FLOOR]].map(|t: &[Thing]| Shot::take(gpu, view, SIZE, t));
+    let (with, without) = (with?, without?);
+    let mut left = Vec::new();
+    for rule in RULES {
+        let mut world = World::new(&labs.core, grid())?;
+        world.inject(gpu, &[], Some(&with))?;
+        world.clean_by(gpu, rule, &without)?;
+        // The floor lies in the layer of number 2.
+        let cells = occupied_cells(gpu, &world)?;
+        left.push(grid().cells().filter(|c| c.y > 2 && cells[grid().index(*c)]).count());
+    }
+    eprintln!("of a chest that is gone, by center, by footprint and by rays: {left:?} cells are left");
+    assert!(left[1] > 5 && left[0] == 0 && left[2] == 0, "{left:?} cells are left");
+    Ok(())
+}
+
 /// What a view injects it does not clear, nor does any other of the same things that sees it with as many points.
 fn footprint_holds(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
-    let mut lost = [0; 2];
+    let mut lost = [0; 3];
     let mut found = 0;
     for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
         let (name, shot) = random_shot(gpu, &grid(), seed)?;
@@ -163,10 +189,10 @@ fn footprint_holds(labs: &Labs) -> Result<(), Failed> {
             let gone = before.iter().zip(&after).filter(|(b, a)| **b && !**a).count();
             assert!(rule == CleanupRule::Center || gone == 0, "{name}: {gone} cells of its own are gone");
             *lost += gone;
-            found += before.iter().filter(|b| **b).count() / 2;
+            found += before.iter().filter(|b| **b).count() / RULES.len();
         }
     }
-    eprintln!("of {found} cells their own views clear, by center and by footprint, {lost:?}");
+    eprintln!("of {found} cells their own views clear, by center, by footprint and by rays, {lost:?}");
     assert!(lost[0] > 500, "the views are too easy: center loses {} cells", lost[0]);
     Ok(())
 }

@@ -22,6 +22,7 @@ pub(crate) const SCALE: InjectionScale =
 pub(crate) struct Stages {
     pub(crate) progressive: Progressive,
     pub(crate) by_center: Progressive,
+    pub(crate) by_rays: Progressive,
     pub(crate) light: IndirectLight,
     pub(crate) single: SinglePass,
 }
@@ -47,6 +48,7 @@ impl Lab {
         let stages = Arc::new(Mutex::new(Stages {
             progressive: Progressive::new(&self.gpu, volume)?,
             by_center: Progressive::with_rule(&self.gpu, volume, CleanupRule::Center)?,
+            by_rays: Progressive::with_rule(&self.gpu, volume, CleanupRule::Rays)?,
             light: IndirectLight::new(&self.gpu, volume)?,
             single: SinglePass::new(&self.gpu, volume)?,
         }));
@@ -97,6 +99,7 @@ impl World {
         let progressive = match rule {
             CleanupRule::Center => &mut stages.by_center,
             CleanupRule::Footprint => &mut stages.progressive,
+            CleanupRule::Rays => &mut stages.by_rays,
         };
         run(gpu, |e| progressive.record_cleanup(gpu, e, &shot.input, &mut self.volume))
     }

@@ -137,7 +137,7 @@ pub(super) fn table(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report
          numbers stand in parentheses. It does not see what is missing. So *recall* is the share of the `thin` cells that at least one \
          texel of one frame lies in, and *strays* are cells that do not touch the mesh even when they are 1/64 cell larger on each side, \
          by which points are moved against their normal. *Lost* is the share of the occupied cells that a frame clears, on average over the frames: \
-         the model stands still, so that all of them are good. Footprint is the default rule, center the papers'.",
+         the model stands still, so that all of them are good. Footprint is the default rule, center the papers'; rays asks where each texel's ray leaves the cell.",
         size.x, size.y,
     ));
     let mut lines = Vec::new();
@@ -194,7 +194,9 @@ pub(super) fn table(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report
 fn forms(gpu: &Gpu, rig: &Rig, grid: Grid, size: UVec2) -> Result<Vec<Run>> {
     let run = |name, form| Run { name, form, occupied: Vec::new(), lost: Vec::new() };
     let mut runs = Vec::new();
-    for (name, rule) in [("footprint", CleanupRule::Footprint), ("center", CleanupRule::Center)] {
+    let rules =
+        [("footprint", CleanupRule::Footprint), ("rays", CleanupRule::Rays), ("center", CleanupRule::Center)];
+    for (name, rule) in rules {
         let bricks = Bricks::new(gpu, rig, grid, &three_channels(), size, rule)?;
         runs.push(run(name, Form::Bricks(Box::new(bricks))));
     }

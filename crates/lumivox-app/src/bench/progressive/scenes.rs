@@ -44,11 +44,13 @@ struct Way {
     dies: bool,
 }
 
-const WAYS: [Way; 4] = [
+const WAYS: [Way; 6] = [
     Way { name: "footprint", cleanup: CleanupRule::Footprint, other_cleans: false, dies: false },
     Way { name: "center", cleanup: CleanupRule::Center, other_cleans: false, dies: false },
+    Way { name: "rays", cleanup: CleanupRule::Rays, other_cleans: false, dies: false },
     Way { name: "footprint, two views", cleanup: CleanupRule::Footprint, other_cleans: true, dies: false },
     Way { name: "footprint, age", cleanup: CleanupRule::Footprint, other_cleans: false, dies: true },
+    Way { name: "rays, two views, age", cleanup: CleanupRule::Rays, other_cleans: true, dies: true },
 ];
 
 /// Measures the scenes, frame by frame.
@@ -124,14 +126,14 @@ fn one(
         }
         // Shut, open and shut again; far, near and gone.
         if [frames / 12, frames / 3, 3 * frames / 4].contains(&frame) {
-            for n in [0, 2] {
+            for n in [0, WAYS.len() - 1] {
                 pictures.push(by_age(&grid, &bricks[n].voxelizer.read_cells(gpu)?));
             }
         }
     }
     let what = format!(
         "{}, three moments: cells that the camera injects in that frame in red, older ones from yellow to blue, those that 30 frames have \
-         not shown grey; above one view, below with the second that only cleans. The walls that would hide the rest are left out.",
+         not shown grey; above by footprint with one view, below by rays with the second that only cleans, and with age. The walls that would hide the rest are left out.",
         moving.name
     );
     let picture = rows(&pictures, 2);

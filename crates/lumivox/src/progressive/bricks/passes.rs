@@ -10,7 +10,7 @@
 //! | `plan` | nothing | sizes of the dispatches, three times |
 
 use crate::gpu::{Bindings, ComputePass, GeneratedText, Gpu, GpuError, Shader};
-use crate::progressive::cleanup::{CENTER, FOOTPRINT};
+use crate::progressive::cleanup::{CENTER, FOOTPRINT, by_rays};
 use crate::progressive::nearest::NearestDepth;
 use crate::progressive::{CleanupRule, SURFACE_SHIFT};
 use crate::wgsl::{GRID, PACK, POINT, VIEW, VISIBILITY, linear_groups};
@@ -70,8 +70,9 @@ impl Passes {
         let plan = |begins: f64| ComputePass::new(gpu, &PLAN, &[("BEGINS", begins)]);
         let (clean, nearest) = match rule {
             CleanupRule::Center => (ComputePass::new(gpu, &CLEAN_BY_CENTER, &[]), None),
-            CleanupRule::Footprint => {
-                (ComputePass::new(gpu, &CLEAN_BY_FOOTPRINT, &shift), Some(NearestDepth::new(gpu)))
+            CleanupRule::Footprint | CleanupRule::Rays => {
+                let constants = [shift[0], by_rays(rule)];
+                (ComputePass::new(gpu, &CLEAN_BY_FOOTPRINT, &constants), Some(NearestDepth::new(gpu)))
             }
         };
         Ok(Self {
