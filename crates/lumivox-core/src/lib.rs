@@ -14,7 +14,7 @@ pub mod volume;
 
 pub use bounds::Bounds;
 pub use grid::{Grid, GridError};
-pub use packed_field::{PackedField, PackedMapping, PackedMaps, PackedStorage};
+pub use packed_field::{PackedField, PackedMapping, PackedMaps, PackedStorage, hit_bias};
 pub use triangles::TriangleView;
 pub use view::{Projection, View};
 pub use volume::HostVolume;

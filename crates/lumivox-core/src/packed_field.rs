@@ -67,3 +67,12 @@ pub struct PackedField {
     /// With a bit per direction: the mean depth of each map over 2 R. Else empty.
     pub depths: Vec<f32>,
 }
+
+/// How far ahead a hit must lie of rays that start within an object's sphere, in radii, by the field's divisions: less, and surfaces shade
+/// themselves in grains; more, and creases are lost.
+///
+/// Tried on the bunny and the elephant, for occlusion of the object by itself beside true rays: the least error is at 0.1 to 0.15
+/// for 1090 points, 0.075 to 0.1 for 4226 and 0.075 for 16642, and half of that bias has about twice the error.
+pub fn hit_bias(divisions: u32) -> f32 {
+    0.06 + 0.8 / divisions.max(1) as f32
+}

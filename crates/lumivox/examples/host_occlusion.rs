@@ -33,7 +33,7 @@ impl Shading {
             .bake(|_| ControlFlow::Continue(()))?;
         let packed = field.packed().ok_or("the field fits no texture")?;
         let fields = Fields::new(gpu, &[&packed])?;
-        let objects = Objects::new(gpu, 64, 0.05)?;
+        let objects = Objects::new(gpu, 64)?;
         let occlusion = Occlusion::new(gpu, SIZE, &objects, OcclusionSettings::default())?;
         let shadows = SoftShadows::new(gpu, SIZE, &objects, 1, ShadowSettings::default())?;
         Ok(Self { fields, objects, occlusion, shadows })

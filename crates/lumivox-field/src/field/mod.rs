@@ -52,6 +52,12 @@ impl Field {
         self.sphere
     }
 
+    /// How far ahead a hit should lie of rays that start within the sphere, for [`Field::ahead`], in metres:
+    /// [`lumivox_core::hit_bias`].
+    pub fn hit_bias(&self) -> f32 {
+        lumivox_core::hit_bias(self.points.divisions()) * self.sphere.radius
+    }
+
     /// A hash of the mesh that was baked.
     pub fn mesh_key(&self) -> u128 {
         self.mesh_key

@@ -130,7 +130,7 @@ impl Field {
     /// first counts if it lies more than `bias` ahead. If it lies behind or about the origin, the ray may still meet parts
     /// beyond: the map where it leaves, looked up backwards, shows the last of them (Figure 31), and if that lies more than
     /// `bias` ahead, its distance is returned. It is the far side of what is met, so that is as far as the nearest part can
-    /// be. `bias` is in metres of the object's space.
+    /// be. `bias` is in metres of the object's space; [`Field::hit_bias`] suits.
     pub fn ahead(&self, ray: &Ray, bias: f32, interpolation: Interpolation) -> Option<f32> {
         self.found_ahead(ray, bias, interpolation).map(|(distance, ..)| distance)
     }

@@ -19,8 +19,6 @@ use crate::lights::Sky;
 
 /// Half of the angle that the sun is seen under, radians.
 const SUN_ANGLE: f32 = 0.00465;
-/// How far a hit must lie ahead of rays that start within an object's sphere, in radii.
-const BIAS: f32 = 0.05;
 
 /// Which fields belong to which instances of a scene.
 #[derive(Clone, Debug, Default)]
@@ -85,7 +83,7 @@ impl FieldObjects {
         }
         let parts: usize = given.casters.iter().map(|c| c.fields.len()).sum();
         let fields = Fields::new(gpu, &given.fields.iter().collect::<Vec<_>>())?;
-        let objects = Objects::new(gpu, u32::try_from(parts).unwrap_or(u32::MAX), BIAS)?;
+        let objects = Objects::new(gpu, u32::try_from(parts).unwrap_or(u32::MAX))?;
         let occlusion = occlusion.map(|s| Occlusion::new(gpu, size, &objects, s)).transpose()?;
         let shadows = soft_shadows.map(|s| SoftShadows::new(gpu, size, &objects, count, s));
         let reflections = polish.map(|p| Reflections::new(gpu, size, &objects, p.reflections));

@@ -1,7 +1,7 @@
 //! Fields on the GPU: all maps of all of them in one 3D texture, and the tables that find a map and a texel.
 
 use glam::{UVec3, Vec4};
-use lumivox_core::{PackedField, PackedMapping, PackedMaps, PackedStorage};
+use lumivox_core::{PackedField, PackedMapping, PackedMaps, PackedStorage, hit_bias};
 
 use super::Objects;
 use crate::gpu::{Bindings, Buffer, Gpu, GpuError, Texture};
@@ -49,6 +49,8 @@ crate::gpu_struct! {
 pub(super) struct FieldSphere {
     pub(super) center: glam::Vec3,
     pub(super) radius: f32,
+    /// How far ahead hits must lie, in radii.
+    pub(super) bias: f32,
 }
 
 /// Visibility fields of some rigid objects, uploaded once. Any number of instances share one.
@@ -132,7 +134,11 @@ impl Fields {
             depths.extend_from_slice(&field.depths);
         }
         depths.resize(depths.len().max(1), 0.0);
-        let spheres = fields.iter().map(|f| FieldSphere { center: f.center, radius: f.radius });
+        let spheres = fields.iter().map(|f| FieldSphere {
+            center: f.center,
+            radius: f.radius,
+            bias: hit_bias(f.divisions),
+        });
         let points: Vec<Vec4> = points;
         Ok(Self {
             uniforms: Buffer::storage_with(gpu, "visibility/fields", &uniforms)?,

@@ -3,6 +3,7 @@
 use glam::{Affine3A, Mat4, Vec3};
 
 use super::Fields;
+use super::fields::FieldSphere;
 use crate::gpu::{Buffer, Gpu, GpuError};
 
 /// The most objects, each part of one counted by itself.
@@ -60,17 +61,16 @@ pub struct Objects {
     pub(super) buffer: Buffer,
     pub(super) capacity: u32,
     pub(super) count: u32,
-    bias: f32,
+    bias: Option<f32>,
 }
 
 impl Objects {
-    /// Room for some objects. `bias` is how far a hit must lie ahead of rays that start within an object's sphere, in radii:
-    /// too small and surfaces shade themselves in grains, too large and creases are lost. A twentieth suits fields of 4226
-    /// points, half of that 16642 points.
+    /// Room for some objects. How far a hit must lie ahead of rays that start within an object's sphere goes with its field's points:
+    /// [`hit_bias`](lumivox_core::hit_bias).
     ///
     /// # Errors
     /// More than [`MAX_OBJECTS`], and those of the device.
-    pub fn new(gpu: &Gpu, capacity: u32, bias: f32) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, capacity: u32) -> Result<Self, GpuError> {
         if capacity > MAX_OBJECTS {
             return Err(GpuError::Validation(format!(
                 "visibility/objects: room for {capacity} of them; {MAX_OBJECTS} are possible"
@@ -79,7 +79,13 @@ impl Objects {
         let capacity = capacity.max(1);
         let bytes = u64::from(capacity) * size_of::<ObjectUniform>() as u64;
         let buffer = Buffer::storage(gpu, "visibility/objects", bytes)?;
-        Ok(Self { buffer, capacity, count: 0, bias })
+        Ok(Self { buffer, capacity, count: 0, bias: None })
+    }
+
+    /// The same with one bias for all, in radii.
+    #[must_use]
+    pub fn with_bias(self, bias: f32) -> Self {
+        Self { bias: Some(bias), ..self }
     }
 
     /// Writes where everything stands, once a frame before it is recorded. An object without volume, or whose numbers are not
@@ -104,7 +110,7 @@ impl Objects {
                     fields.len()
                 )));
             };
-            uniforms.extend(self.uniform(placement, sphere.center, sphere.radius));
+            uniforms.extend(self.uniform(placement, sphere));
         }
         self.count = uniforms.len() as u32;
         gpu.queue.write_buffer(&self.buffer.raw, 0, bytemuck::cast_slice(&uniforms));
@@ -116,7 +122,8 @@ impl Objects {
         self.count
     }
 
-    fn uniform(&self, placement: &Placement, center: Vec3, radius: f32) -> Option<ObjectUniform> {
+    fn uniform(&self, placement: &Placement, sphere: &FieldSphere) -> Option<ObjectUniform> {
+        let FieldSphere { center, radius, bias } = *sphere;
         let world_from_object = Affine3A::from_mat4(placement.world_from_object);
         let object_from_world = world_from_object.inverse();
         let m = world_from_object.matrix3;
@@ -140,7 +147,7 @@ impl Objects {
             albedo: placement.albedo,
             field: placement.field as u32,
             caster: placement.caster,
-            bias: self.bias,
+            bias: self.bias.unwrap_or(bias),
             reserved_0: 0,
             reserved_1: 0,
         };

@@ -111,6 +111,7 @@ impl Hall {
         let alone = Scene {
             meshes: self.scene.meshes.clone(),
             materials: self.scene.materials.clone(),
+            textures: self.scene.textures.clone(),
             instances: self.casters.iter().map(|&n| self.scene.instances[n]).collect(),
             ..Scene::default()
         };

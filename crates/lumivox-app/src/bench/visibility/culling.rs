@@ -50,7 +50,7 @@ pub(super) fn culling(timer: &Timer<'_>, model: &Model, quick: bool, report: &mu
     let fields = Fields::new(gpu, &[&packed])?;
     let floor = Floor::new(gpu, sphere, side)?;
     let receiver = floor.receiver();
-    let mut objects = Objects::new(gpu, 256, 0.05)?;
+    let mut objects = Objects::new(gpu, 256)?;
     // What covers less than 1 % of a hemisphere is left out.
     let settings = OcclusionSettings { least_share: 0.01, ..OcclusionSettings::default() };
     let mut occlusion = Occlusion::new(gpu, floor.size, &objects, settings)?;

@@ -118,7 +118,7 @@ impl Placed {
         let packed = fields.iter().map(|f| f.packed().context("a field that fits a texture"));
         let packed = packed.collect::<Result<Vec<_>>>()?;
         let fields = Fields::new(gpu, &packed.iter().collect::<Vec<_>>())?;
-        let mut objects = Objects::new(gpu, packed.len() as u32, 0.05)?;
+        let mut objects = Objects::new(gpu, packed.len() as u32)?;
         let all: Vec<_> = (0..packed.len()).map(|n| Placement::new(n, Mat4::IDENTITY, 0)).collect();
         objects.update(gpu, &fields, &all)?;
         Ok(Self { fields, objects })

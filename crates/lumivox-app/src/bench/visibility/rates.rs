@@ -41,7 +41,7 @@ fn on_device(timer: &Timer<'_>, field: &Field, rays: &[Ray], blended: bool) -> R
     let gpu = timer.gpu;
     let Some(packed) = field.packed() else { return Ok(f64::NAN) };
     let fields = Fields::new(gpu, &[&packed])?;
-    let mut objects = Objects::new(gpu, 1, 0.05)?;
+    let mut objects = Objects::new(gpu, 1)?;
     objects.update(gpu, &fields, &[Placement::new(0, Mat4::IDENTITY, 0)])?;
     let packed: Vec<QueryRay> = rays
         .iter()

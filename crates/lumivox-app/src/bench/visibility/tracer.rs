@@ -6,8 +6,6 @@ use lumivox_field::{Baker, Field, Interpolation, Ray};
 
 use super::lobe;
 
-/// How far a hit must lie ahead of rays that start in an object's sphere, in radii.
-const BIAS: f32 = 0.05;
 /// Shadow rays to each lamp, and rays of a polished point; half as many of the first where a reflection ends.
 const SHADOW_RAYS: u32 = 20;
 const POLISH_RAYS: u32 = 4;
@@ -79,8 +77,7 @@ impl World<'_> {
             let (distance, normal) = match by {
                 Secondary::True => body.baker.trace_with_normal(&own)?,
                 Secondary::LookedUp => {
-                    let bias = BIAS * body.field.sphere().radius;
-                    body.field.ahead_with_normal(&own, bias, Interpolation::Nearest)?
+                    body.field.ahead_with_normal(&own, body.field.hit_bias(), Interpolation::Nearest)?
                 }
             };
             let normal = (body.object_from_world.matrix3.transpose() * normal).normalize_or(Vec3::Y);
@@ -96,10 +93,7 @@ impl World<'_> {
             let own = ray.transformed(&body.object_from_world);
             let distance = match by {
                 Secondary::True => body.baker.trace(&own),
-                Secondary::LookedUp => {
-                    let bias = BIAS * body.field.sphere().radius;
-                    body.field.ahead(&own, bias, Interpolation::Nearest)
-                }
+                Secondary::LookedUp => body.field.ahead(&own, body.field.hit_bias(), Interpolation::Nearest),
             };
             distance.is_some_and(|d| d < 1.0)
         })

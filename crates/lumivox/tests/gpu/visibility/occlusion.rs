@@ -51,7 +51,7 @@ impl Scene {
     fn new(gpu: &Gpu, balls: Balls<'_>) -> Result<Self, GpuError> {
         let packed = ball().packed().expect("a field that fits");
         let fields = Fields::new(gpu, &[&packed])?;
-        let mut objects = Objects::new(gpu, balls.len() as u32, 0.05)?;
+        let mut objects = Objects::new(gpu, balls.len() as u32)?;
         let place = |(n, (center, radius)): (usize, &(Vec3, f32))| {
             let world_from_object = Mat4::from_translation(*center) * Mat4::from_scale(Vec3::splat(*radius));
             Placement::new(0, world_from_object, n as u32)

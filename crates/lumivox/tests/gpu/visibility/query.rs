@@ -67,7 +67,7 @@ fn agrees(hit: &QueryHit, ray: &Ray, lookup: impl Fn(&Ray) -> Option<f32>) -> [b
 fn placed(gpu: &Gpu, field: &Field, world_from_object: Mat4) -> Result<(Fields, Objects), GpuError> {
     let packed = field.packed().expect("a field that fits");
     let fields = Fields::new(gpu, &[&packed])?;
-    let mut objects = Objects::new(gpu, 1, BIAS)?;
+    let mut objects = Objects::new(gpu, 1)?.with_bias(BIAS);
     objects.update(gpu, &fields, &[Placement::new(0, world_from_object, 0)])?;
     Ok((fields, objects))
 }
@@ -137,7 +137,7 @@ fn nearest(labs: &Labs) -> Result<(), Failed> {
     let packed = ball().packed().expect("a field that fits");
     let fields = Fields::new(gpu, &[&packed])?;
     // More than one word of objects in a row along x, of which the ray meets the first.
-    let mut objects = Objects::new(gpu, 40, BIAS)?;
+    let mut objects = Objects::new(gpu, 40)?.with_bias(BIAS);
     let place = |n: u32| Mat4::from_translation(Vec3::new(3.0 * (40 - n) as f32, 0.0, 0.0));
     let all: Vec<_> = (0..40).map(|n| Placement::new(0, place(n), n)).collect();
     objects.update(gpu, &fields, &all)?;
@@ -189,11 +189,11 @@ fn refused(labs: &Labs) -> Result<(), Failed> {
         assert!(Fields::new(gpu, &[field]).is_err());
     }
     let fields = Fields::new(gpu, &[&byte, &byte])?;
-    let mut objects = Objects::new(gpu, 1, BIAS)?;
+    let mut objects = Objects::new(gpu, 1)?.with_bias(BIAS);
     assert!(objects.update(gpu, &fields, &[Placement::new(2, Mat4::IDENTITY, 0)]).is_err());
     let twice = [Placement::new(0, Mat4::IDENTITY, 0); 2];
     assert!(objects.update(gpu, &fields, &twice).is_err());
-    assert!(Objects::new(gpu, 2000, BIAS).is_err());
+    assert!(Objects::new(gpu, 2000).is_err());
     gpu.check()?;
     Ok(())
 }

@@ -37,7 +37,7 @@ impl<'f> Scene<'f> {
         let packed: Vec<_> =
             all.iter().map(|(field, ..)| field.packed().expect("a field that fits")).collect();
         let fields = Fields::new(gpu, &packed.iter().collect::<Vec<_>>())?;
-        let mut objects = Objects::new(gpu, all.len() as u32, BIAS)?;
+        let mut objects = Objects::new(gpu, all.len() as u32)?.with_bias(BIAS);
         let place = |(n, (_, place, albedo)): (usize, &(&Field, Mat4, Vec3))| Placement {
             albedo: *albedo,
             ..Placement::new(n, *place, n as u32)

@@ -57,7 +57,7 @@ fn soft_shadows(labs: &Labs) -> Result<(), Failed> {
     let points = points(&shot);
     let packed = ball().packed().expect("a field that fits");
     let fields = Fields::new(gpu, &[&packed])?;
-    let mut objects = Objects::new(gpu, 2, 0.05)?;
+    let mut objects = Objects::new(gpu, 2)?;
     let (center, radius) = (Vec3::new(0.3, 1.2, 0.1), 0.8);
     let place = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(radius));
     // Behind the lights nothing throws a shadow.
