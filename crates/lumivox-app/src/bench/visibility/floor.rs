@@ -174,7 +174,7 @@ pub(super) fn row(
 }
 
 pub(super) fn side(quick: bool) -> u32 {
-    if quick { 128 } else { 512 }
+    if quick { 128 } else { 256 }
 }
 
 /// The fields that are tried.
