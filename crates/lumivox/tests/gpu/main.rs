@@ -4,7 +4,9 @@
 //! test is reported as ignored, with that reason in its name; with `LUMIVOX_REQUIRE_GPU=1` that fails instead.
 
 mod bricks;
+mod bricks_room;
 mod cells;
+mod cleanup;
 mod contract;
 mod definition;
 mod energy;
@@ -56,7 +58,9 @@ fn main() -> ExitCode {
     let labs = labs.map(Arc::new);
     let tests = [
         progressive::TESTS,
+        cleanup::TESTS,
         bricks::TESTS,
+        bricks_room::TESTS,
         lighting::TESTS,
         light::TESTS,
         energy::TESTS,

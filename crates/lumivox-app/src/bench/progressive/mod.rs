@@ -3,6 +3,7 @@
 
 mod budget;
 mod cost;
+mod curves;
 mod forms;
 mod quality;
 mod rig;

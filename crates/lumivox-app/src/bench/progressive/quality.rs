@@ -14,9 +14,9 @@ use lumivox_oracle::distance;
 use lumivox_oracle::voxels::{Coverage, VoxelSet};
 use lumivox_scene::Scene;
 
+use super::curves::{Curve, losses};
 use super::rig::{Bricks, Rig, orbit, three_channels};
 use crate::bench::models::Subject;
-use crate::bench::plot::{Plot, Series};
 use crate::bench::report::{Report, Row};
 use crate::bench::timing::Timer;
 
@@ -184,7 +184,10 @@ pub(super) fn table(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report
             }
         }
         curve.plot(subject, sides[1], report)?;
-        losses(subject, sides, &runs, report)?;
+        let lost = sides.iter().zip(&runs).flat_map(|(side, runs)| {
+            runs.iter().map(move |run| (format!("{}, {side}", run.name), run.lost.as_slice()))
+        });
+        losses(subject, lost, report)?;
     }
     let header = ["model", "cells", "form", "distance", "recall", "strays", "occupied", "lost"];
     report.table(&header.map(str::to_owned), &lines);
@@ -295,73 +298,4 @@ impl Case<'_> {
             none(),
         ])
     }
-}
-
-/// Distances after some of the frames.
-#[derive(Default)]
-struct Curve {
-    /// From cells to the mesh.
-    points: Vec<(f64, f64)>,
-    /// The larger of that and the way from the mesh to the nearest cell.
-    both: Vec<(f64, f64)>,
-    /// Points of the mesh.
-    truth: Vec<Vec3>,
-}
-
-impl Curve {
-    fn add(&mut self, frame: usize, cells: &[UVec3], grid: &Grid, mesh: TriangleView<'_>) -> Result<()> {
-        let diagonal = f64::from(mesh.bounds().size().length());
-        if self.truth.is_empty() {
-            self.truth = distance::spread(mesh, 20_000)?;
-        }
-        let centers: Vec<Vec3> = cells.iter().map(|c| grid.center(*c)).collect();
-        if centers.is_empty() {
-            return Ok(());
-        }
-        let frame = frame as f64 + 1.0;
-        let there = distance::points_to_mesh(&centers, mesh)?.percent_of(diagonal).mean;
-        let back = distance::points_to_points(&self.truth, &centers)?.percent_of(diagonal).mean;
-        self.points.push((frame, there));
-        self.both.push((frame, there.max(back)));
-        Ok(())
-    }
-
-    fn plot(self, subject: &Subject, side: u32, report: &mut Report) -> Result<()> {
-        for (metric, points) in [("distance to the mesh", &self.points), ("distance both ways", &self.both)] {
-            for (frame, value) in points {
-                report.push(Row {
-                    figure: "Figure 6.10",
-                    case: format!("{}, {side}, frame {frame}", subject.name),
-                    metric: metric.to_owned(),
-                    value: *value,
-                    unit: "%",
-                    paper: None,
-                    note: "mean, of the diagonal".to_owned(),
-                });
-            }
-        }
-        let series = vec![
-            Series { name: "cells to the mesh".to_owned(), points: self.points },
-            Series { name: "larger of both ways".to_owned(), points: self.both },
-        ];
-        let title = format!("Figure 6.10: {}, {side} cells", subject.name);
-        let stem = format!("distance-{}", subject.name.to_lowercase().replace(' ', "-"));
-        report.plot(&stem, &Plot { title, x: "frames", y: "mean distance, % of the diagonal", series })
-    }
-}
-
-/// Cells that are lost again, frame by frame.
-fn losses(subject: &Subject, sides: &[u32], runs: &[Vec<Run>], report: &mut Report) -> Result<()> {
-    let mut series = Vec::new();
-    for (side, runs) in sides.iter().zip(runs) {
-        for run in runs.iter().filter(|r| !r.lost.is_empty()) {
-            let points = run.lost.iter().enumerate().map(|(n, lost)| (n as f64 + 2.0, 100.0 * lost));
-            // A logarithmic axis has no zero.
-            let points = points.filter(|(_, lost)| *lost > 0.0).collect();
-            series.push(Series { name: format!("{}, {side}", run.name), points });
-        }
-    }
-    let stem = format!("lost-{}", subject.name.to_lowercase().replace(' ', "-"));
-    let title = format!("{}: cells cleared again", subject.name);
-    report.plot(&stem, &Plot { title, x: "frame", y: "% of the occupied cells", series })
 }
