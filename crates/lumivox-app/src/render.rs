@@ -10,7 +10,7 @@ use lumivox::light::LightSettings;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Scene};
 
-use crate::args::{ExposureArg, RenderArgs, ShotArgs, Size};
+use crate::args::{ExposureArg, LayerArg, RenderArgs, ShotArgs, Size};
 use crate::field::lookups;
 use crate::motion::Motion;
 use crate::output::{self, Format, Picture};
@@ -27,6 +27,8 @@ const MAX_STEPS: u32 = 8192;
 /// Steps of light propagation volumes in a still, for each cell of the longest side: as many as its authors take. Light that has
 /// not left by then diffuses to and fro for thousands of steps more.
 const LPV_STEPS: u32 = 2;
+/// Bounces before the first picture of a series.
+const FIRST_BOUNCES: u32 = 16;
 /// Browsers play an animation with shorter delays than 20 ms at ten frames per second.
 const GIF_MAX_FPS: f32 = 50.0;
 
@@ -66,14 +68,21 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let fields = lookups::object_fields(&args.objects, &scene).with_context(|| args.shot.scene.clone())?;
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let is_still = args.frames.is_none();
+    let usual = settings(&args.shot, &scene, args.size, args.layer.into(), is_still);
     let settings = Settings {
+        // Views would not bring what moves between updates.
+        voxels: if args.light_every > 1 && args.shot.voxelizer.is_none() {
+            VoxelSource::Triangles
+        } else {
+            usual.voxels
+        },
         flow: args.flow,
         light_every: args.light_every,
         light_budget: args.light_budget,
         clip: motion.clip().filter(|_| !is_still),
         voxel_channel: args.voxels.into(),
         voxel_slice: args.slice.map(|slice| slice.0),
-        ..settings(&args.shot, &scene, args.size, args.layer.into(), is_still)
+        ..usual
     };
     let settings = lookups::with_objects(settings, &args.objects, is_still);
     let mut renderer =
@@ -290,12 +299,25 @@ fn series(
         let frame = renderer.frame(clock)?;
         stats::add_stages(&mut work.stages, &frame.stages);
         work.frames += 1;
-        work.iterations += args.shot.iterations;
+        let Settings { gi, iterations, bounces, .. } = *renderer.settings();
+        work.iterations += if gi == GiMethod::Gather { bounces } else { iterations };
+        if n == 0 && gi == GiMethod::Gather && args.layer != LayerArg::Voxels {
+            // A series begins with its light settled, which its exposure is for, too.
+            let frame = renderer.settle(FIRST_BOUNCES, clock)?;
+            stats::add_stages(&mut work.stages, &frame.stages);
+            work.iterations += FIRST_BOUNCES;
+        }
         let picture = read_frame(renderer, args, work)?;
         save(n, &picture, work.exposure_ev.unwrap_or(0.0))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let (Some(budget), Some(taken)) = (args.light_budget, renderer.light_over_budget()) {
+        tracing::warn!(
+            "--light-budget {budget}: light took {taken:.1} ms of the last frame, with the fewest surfaces at a time; what \
+             is left does not depend on their number: fewer cells or lights take less"
+        );
+    }
     Ok(())
 }
 

@@ -116,9 +116,9 @@ impl From<BlockingArg> for Blocking {
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub(crate) enum QualityArg {
-    /// 32 cells, 32 rays a surfel over four frames.
+    /// 32 cells, 32 rays a surfel, a third of the surfels in each frame of a series.
     Low,
-    /// 64 cells, 64 rays over two frames.
+    /// 64 cells, 64 rays a surfel, half of the surfels in each frame of a series.
     Medium,
     /// 64 cells, 256 rays.
     High,

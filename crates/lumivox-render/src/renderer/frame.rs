@@ -7,23 +7,31 @@ use super::view_voxelizer::Target;
 use super::{FrameStats, GiMethod, Renderer, RendererError, Settings, Shade, VoxelSource, needs_volume};
 
 impl Renderer {
-    /// The stages that take as long as the light whose turn it is, for [`Settings::light_budget`].
-    pub const PACED_STAGES: [&str; 3] = ["gather/direct", "gather/trace", "gather/bounce"];
+    /// The stages that [`Settings::light_budget`] counts. Those of surfels take a look at each, whoever's turn it is.
+    pub const PACED_STAGES: [&str; 4] = ["gather/surfels", "gather/direct", "gather/trace", "gather/bounce"];
+
+    /// What the last frame's light took, milliseconds, if that is more than [`Settings::light_budget`] though as few surfels as
+    /// possible had their turn.
+    pub fn light_over_budget(&self) -> Option<f64> {
+        self.over_budget
+    }
 
     /// One frame. With a clock (milliseconds since any moment) every stage is submitted alone and timed.
     pub fn frame(&mut self, clock: Option<fn() -> f64>) -> Result<FrameStats, RendererError> {
         // Lights shine on the surfaces that the frame before left; the first frame makes them itself.
         let makes_surfaces = matches!(self.indirect, Indirect::Gathered(_)) && self.views_fill_volume();
-        if std::mem::take(&mut self.fresh) && makes_surfaces {
-            self.frame(clock)?;
-            self.frames = 0;
+        let is_first = std::mem::take(&mut self.fresh);
+        if is_first && makes_surfaces {
+            self.make_frame(clock, Pace::WHOLE)?;
         }
-        let pace = self.pace();
+        let pace = if is_first { Pace::WHOLE } else { self.pace() };
         self.frames = self.frames.wrapping_add(1);
+        self.make_frame(clock, pace)
+    }
+
+    fn make_frame(&mut self, clock: Option<fn() -> f64>, pace: Pace) -> Result<FrameStats, RendererError> {
         let mut timer = StageTimer::new(&self.gpu, clock);
-        if pace.updates() {
-            self.voxelize_triangles(&mut timer)?;
-        }
+        self.voxelize_triangles(&mut timer)?;
         if let Some(expected) = &mut self.expected {
             expected.record(&self.gpu, &mut timer)?;
         }
@@ -31,12 +39,14 @@ impl Renderer {
         if needs_volume(&self.settings) && pace.updates() {
             self.record_volume(&mut timer)?;
         } else {
-            timer.stage(&self.gpu, "gather/fade", |e| self.indirect.record_fade(&self.gpu, e))?;
+            self.record_between(&mut timer)?;
         }
         let mut stats = FrameStats { stages: timer.finish(&self.gpu)? };
         if let Some(budget) = &mut self.budget {
             let gathering = stats.stages.iter().filter(|s| Self::PACED_STAGES.contains(&s.stage));
-            self.indirect.set_frames(budget.measured(gathering.map(|s| s.millis).sum()));
+            let taken = gathering.map(|s| s.millis).sum();
+            self.over_budget = budget.is_exhausted(taken).then_some(taken);
+            self.indirect.set_frames(budget.measured(taken));
         }
         stats.stages.extend(self.compose(clock)?.stages);
         Ok(stats)
@@ -90,11 +100,26 @@ impl Renderer {
         Ok(())
     }
 
+    /// Between updates: pixels go on towards the light of the last, and surfaces that triangles bring look around.
+    fn record_between(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
+        let Self { gpu, volume, indirect, camera, .. } = self;
+        let gpu = &*gpu;
+        if std::mem::take(&mut self.surfels_are_stale) && matches!(indirect, Indirect::Gathered(_)) {
+            let lit = (&*volume, &self.direct_light);
+            timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
+            timer.stage(gpu, "gather/trace", |e| indirect.record_seed(gpu, e, lit, &camera.input))?;
+            timer.stage(gpu, "gather/bounce", |e| indirect.record_steps(gpu, e, volume, 1))?;
+            return Ok(());
+        }
+        timer.stage(gpu, "gather/fade", |e| indirect.record_fade(gpu, e))?;
+        Ok(())
+    }
+
     /// Fills the volume and its light.
     fn record_volume(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
         let views_fill = self.views_fill_volume();
         let Self { gpu, settings, scene, camera, injected, volume, voxelizer, indirect, .. } = self;
-        let gpu = &*gpu;
+        let (gpu, surfels_are_stale) = (&*gpu, &mut self.surfels_are_stale);
         // Views to volume, light by light, the camera last.
         let light = &mut self.direct_light;
         let keeps = settings.voxels != VoxelSource::SingleFrame;
@@ -106,7 +131,11 @@ impl Renderer {
             timer.stage(gpu, "gather/surfels", |e| {
                 indirect.record_dark(gpu, e)?;
                 // Of triangles that moved; those that views bring come below.
-                if views_fill { Ok(()) } else { indirect.record_surfels(gpu, e, volume) }
+                if std::mem::take(surfels_are_stale) {
+                    indirect.record_surfels(gpu, e, volume)
+                } else {
+                    Ok(())
+                }
             })?;
         }
         if views_fill {
@@ -179,6 +208,7 @@ impl Renderer {
         if !triangles.is_stale() {
             return Ok(());
         }
+        self.surfels_are_stale = true;
         triangles.make_layers(gpu)?;
         timer.stage(gpu, "voxelize/triangles", |e| triangles.record(gpu, e, volume, indirect.gathered_mut()))
     }

@@ -29,6 +29,9 @@ pub(super) enum Pace {
 }
 
 impl Pace {
+    /// All, shown at once.
+    pub(super) const WHOLE: Self = Self::Nth { n: 0, every: 1 };
+
     /// Whether anything is new.
     pub(super) fn updates(self) -> bool {
         match self {

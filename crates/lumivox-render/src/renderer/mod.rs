@@ -101,10 +101,13 @@ pub struct Renderer {
     direct_light: DirectLight,
     indirect: Indirect,
     budget: Option<LightBudget>,
+    over_budget: Option<f64>,
     /// Whether no frame has been made yet.
     fresh: bool,
     /// Frames since then.
     frames: u32,
+    /// Whether triangles have changed the volume since its surfels were made.
+    surfels_are_stale: bool,
     irradiance: Texture,
     /// What polished surfaces mirror of gathered light.
     mirrored: Option<Texture>,
@@ -205,8 +208,10 @@ impl Renderer {
             direct_light,
             indirect,
             budget: settings.light_budget.map(LightBudget::new),
+            over_budget: None,
             fresh: true,
             frames: 0,
+            surfels_are_stale: true,
             irradiance: target("render/irradiance")?,
             mirrored: mirrors.then(|| target("render/mirrored")).transpose()?,
             spare_radiance: Texture::target(

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use libtest_mimic::Failed;
 use lumivox::core::View;
+use lumivox::gather::GatherSettings;
 use lumivox::gpu::Gpu;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
 use lumivox_scene::{Camera, Light, Material, Scene, builtin};
@@ -16,6 +17,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("gathered light: a frame of a still scene is like the one before", rest),
     ("gathered light: a lamp that goes out leaves no light in the picture", lamp_out),
     ("gathered light: the first frame of views has light", first_frame),
+    ("gathered light: turns and updates do not show in the first frame", first_frame_of_turns),
     ("gathered light: a glossy floor mirrors a glowing wall", glossy),
 ];
 
@@ -148,6 +150,27 @@ fn lamp_out(gpu: &Gpu) -> Result<(), Failed> {
     let left = mean(&renderer.read_picture()?);
     assert!(lit > 0.01, "there is no light: {lit}");
     assert!(left < 0.01 * lit, "{left} of {lit} is left after eight frames");
+    Ok(())
+}
+
+/// However light is spread over frames, the first picture is that of whole frames, pixel by pixel.
+fn first_frame_of_turns(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    for voxels in [VoxelSource::Triangles, VoxelSource::Progressive] {
+        let first = |frames: f32, light_every: u32| -> Result<Vec<Vec3>, Failed> {
+            let usual = gathering(voxels);
+            let settings =
+                Settings { light_every, gather: GatherSettings { frames, ..usual.gather }, ..usual };
+            let mut renderer = Renderer::new(gpu, &scene, settings)?;
+            renderer.set_camera(&scene.cameras[0]);
+            renderer.frame(None)?;
+            Ok(renderer.read_picture()?)
+        };
+        let whole = first(1.0, 1)?;
+        assert!(mean(&whole) > 0.01);
+        assert!(first(8.0, 1)? == whole, "{voxels:?}: turns show");
+        assert!(first(1.0, 30)? == whole, "{voxels:?}: the wait for the next update shows");
+    }
     Ok(())
 }
 

@@ -43,7 +43,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     // Only rays cost time; what a surfel sends out by itself is taken up in every frame.
-    if GATHERS && !has_turn(place) && !is_new(light[place]) {
+    if GATHERS && !has_turn(surfel.cell) && !is_new(light[place]) {
         after[place] = before[place];
         return;
     }

@@ -2,7 +2,7 @@
 
 /// Finds the [`GatherSettings::frames`](super::GatherSettings::frames) with which gathering takes the time that a frame has for it.
 ///
-/// The host measures what the stages from `record_dark` to `record_bounces` took, by time stamps or otherwise, and tells; the number
+/// The host measures what the stages from `record_dark` and `record_surfels` to `record_bounces` took, by time stamps or otherwise, and tells; the number
 /// that comes back holds from the next [`begin_frame`](super::GatheredLight::begin_frame) on:
 ///
 /// ```
@@ -45,6 +45,11 @@ impl LightBudget {
             self.frames = next.clamp(1.0, MOST);
         }
         self.frames as f32
+    }
+
+    /// Whether a frame that took so long is more than the budget though rounds are as long as they get.
+    pub fn is_exhausted(&self, ms: f64) -> bool {
+        self.frames >= MOST && ms > self.budget_ms
     }
 
     /// The frames of a round.
@@ -93,6 +98,14 @@ mod tests {
         assert!(percentile(&costs[50..150], 0.95) < 2.0);
         // One frame pays for the jump.
         assert!(costs[150] > 2.0 && costs[151..].iter().all(|&ms| ms < 2.4), "{:?}", &costs[148..160]);
+    }
+
+    #[test]
+    fn what_cannot_hold_says_so() {
+        let mut budget = LightBudget::new(1.0);
+        (0..20).for_each(|_| _ = budget.measured(3.0));
+        assert!(budget.is_exhausted(3.0) && !budget.is_exhausted(0.9));
+        assert!(!LightBudget::new(1.0).is_exhausted(3.0));
     }
 
     #[test]

@@ -23,7 +23,10 @@ impl Dark {
         settings: &Uniform<GatherUniform>,
         store: &mut Store,
     ) -> Result<(), GpuError> {
-        let bindings = Bindings::new().read("settings", settings).write("light", &mut store.light);
+        let bindings = Bindings::new()
+            .read("settings", settings)
+            .read("surfels", &store.surfels)
+            .write("light", &mut store.light);
         self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
     }
 }

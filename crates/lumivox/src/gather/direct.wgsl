@@ -36,11 +36,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if place >= settings.capacity {
         return;
     }
-    if !has_turn(place) && !is_new(light[place]) {
-        return;
-    }
     let surfel = unpack_surfel(surfels[place]);
-    if !surfel.exists {
+    if !surfel.exists || (!has_turn(surfel.cell) && !is_new(light[place])) {
         return;
     }
     let cell = cell_from_index(grid, surfel.cell);

@@ -21,7 +21,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if settings.sky_apart == 0u {
         irradiance += PI * unpack_half4(sky_light[place]);
     }
-    let step = select(1.0 / frames_to_turn(place), 1.0, is_new(light[place]));
+    // One that has had one turn at most has no light of another to come from.
+    let step = select(1.0 / frames_to_turn(surfels[place].x / SIDES), 1.0, light[place].w <= FIRST_TURN);
     let before = shown[place];
     shown[place] = vec4u(
         pack_half4(mix(unpack_half4(before.xy), radiance, step)),

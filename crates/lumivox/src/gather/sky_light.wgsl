@@ -13,7 +13,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if place >= settings.capacity {
         return;
     }
-    if !has_turn(place) && !is_new(light[place]) {
+    if !has_turn(surfels[place].x / SIDES) && !is_new(light[place]) {
         return;
     }
     var sum = vec3f(0.0);

@@ -30,9 +30,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     let ray = index % settings.rays;
-    // One that is new looks around at once, with some of its rays.
-    let at_once = ray % FIRST_RAYS == min(FIRST_RAYS, settings.rays) / 2u && hits[index] == UNTRACED;
-    if !has_turn(place) && !at_once {
+    // One that is new looks around at once.
+    if !has_turn(surfel.cell) && hits[index] != UNTRACED {
         return;
     }
     let seed = SIDES * surfel.cell + surfel.side;
