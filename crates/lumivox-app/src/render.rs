@@ -10,7 +10,7 @@ use lumivox::light::LightSettings;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Scene};
 
-use crate::args::{ExposureArg, LayerArg, RenderArgs, ShotArgs, Size};
+use crate::args::{ExposureArg, LayerArg, RenderArgs, ShotArgs, Size, idle_options};
 use crate::field::lookups;
 use crate::motion::Motion;
 use crate::output::{self, Format, Picture};
@@ -58,6 +58,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let outputs: Vec<&Path> = [Some(first.as_path()), args.stats.as_deref()].into_iter().flatten().collect();
     outputs.iter().try_for_each(|path| output::prepare(path))?;
     output::check_apart(&[&args.shot.scene], &outputs)?;
+    for told in idle_options(args) {
+        tracing::warn!("{told}");
+    }
     let start = clock::millis();
     let mut scene = load(&args.shot)?;
     let load_ms = clock::millis() - start;

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod choices;
+mod idle;
 mod values;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 pub(crate) use choices::{
     BlockingArg, CleanupArg, GiArg, LayerArg, MirrorArg, QualityArg, VoxelizerArg, VoxelsArg,
 };
+pub(crate) use idle::idle_options;
 pub(crate) use values::{CameraArg, ClipArg, ExposureArg, Size, SliceArg, SunArg, triple};
 
 /// Lights scenes with voxel volumes: progressive voxelization and indirect light on any GPU.
