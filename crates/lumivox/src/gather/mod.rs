@@ -47,6 +47,7 @@ mod given_subcells;
 mod glossy;
 mod lattice;
 mod mask;
+mod passes;
 mod readback;
 mod reconstruction;
 mod settings;
@@ -70,6 +71,7 @@ use crate::gpu::{Gpu, GpuError, Shader, Texture, Uniform};
 use crate::irradiance::IrradianceVolume;
 use crate::progressive::{LightView, ViewInput};
 use crate::volume::VolumeBuffer;
+use passes::Passes;
 use store::Store;
 use turns::{FrameTurns, Turns};
 
@@ -116,29 +118,6 @@ pub struct GatheredLight {
     store: Store,
 }
 
-#[derive(Debug)]
-struct Passes {
-    whole_cells: mask::Mask,
-    known_subcells: mask::Mask,
-    free: surfels::Surfels,
-    give: surfels::Surfels,
-    dispatch: dispatch::Dispatch,
-    dark: dark::Dark,
-    direct: direct::Direct,
-    given_subcells: given_subcells::GivenSubcells,
-    view_subcells: view_subcells::ViewSubcells,
-    trace: trace::Trace,
-    sky_light: sky_light::SkyLight,
-    lattice: lattice::Lattice,
-    take_light: bounce::Bounce,
-    bounce: bounce::Bounce,
-    fade: fade::Fade,
-    looking: reconstruction::Reconstruction,
-    trusting: reconstruction::Reconstruction,
-    leaks: reconstruction::Reconstruction,
-    glossy: glossy::Glossy,
-}
-
 impl GatheredLight {
     /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 92 and 4 for each ray.
     ///
@@ -153,27 +132,7 @@ impl GatheredLight {
         };
         let (store, capacity) = Store::new(gpu, volume, &settings)?;
         let mut light = Self {
-            passes: Passes {
-                whole_cells: mask::Mask::new(gpu, false),
-                known_subcells: mask::Mask::new(gpu, true),
-                free: surfels::Surfels::new(gpu, true),
-                give: surfels::Surfels::new(gpu, false),
-                dispatch: dispatch::Dispatch::new(gpu),
-                dark: dark::Dark::new(gpu),
-                direct: direct::Direct::new(gpu),
-                given_subcells: given_subcells::GivenSubcells::new(gpu),
-                view_subcells: view_subcells::ViewSubcells::new(gpu),
-                trace: trace::Trace::new(gpu),
-                sky_light: sky_light::SkyLight::new(gpu),
-                lattice: lattice::Lattice::new(gpu),
-                take_light: bounce::Bounce::new(gpu, false),
-                bounce: bounce::Bounce::new(gpu, true),
-                fade: fade::Fade::new(gpu),
-                looking: reconstruction::Reconstruction::new(gpu, true),
-                trusting: reconstruction::Reconstruction::new(gpu, false),
-                leaks: reconstruction::Reconstruction::of_leaks(gpu),
-                glossy: glossy::Glossy::new(gpu),
-            },
+            passes: Passes::new(gpu),
             uniform: Uniform::new(gpu, "gather/settings", &bytemuck::Zeroable::zeroed()),
             settings,
             capacity,

@@ -1,0 +1,58 @@
+//! The stages of gathered light, made once.
+
+use super::{
+    bounce, dark, direct, dispatch, fade, given_subcells, glossy, lattice, mask, reconstruction, sky_light,
+    surfels, trace, view_subcells,
+};
+use crate::gpu::Gpu;
+
+/// All of them.
+#[derive(Debug)]
+pub(super) struct Passes {
+    pub(super) whole_cells: mask::Mask,
+    pub(super) known_subcells: mask::Mask,
+    pub(super) free: surfels::Surfels,
+    pub(super) give: surfels::Surfels,
+    pub(super) dispatch: dispatch::Dispatch,
+    pub(super) dark: dark::Dark,
+    pub(super) direct: direct::Direct,
+    pub(super) given_subcells: given_subcells::GivenSubcells,
+    pub(super) view_subcells: view_subcells::ViewSubcells,
+    pub(super) trace: trace::Trace,
+    pub(super) sky_light: sky_light::SkyLight,
+    pub(super) lattice: lattice::Lattice,
+    pub(super) take_light: bounce::Bounce,
+    pub(super) bounce: bounce::Bounce,
+    pub(super) fade: fade::Fade,
+    pub(super) looking: reconstruction::Reconstruction,
+    pub(super) trusting: reconstruction::Reconstruction,
+    pub(super) leaks: reconstruction::Reconstruction,
+    pub(super) glossy: glossy::Glossy,
+}
+
+impl Passes {
+    /// Compiles them.
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        Self {
+            whole_cells: mask::Mask::new(gpu, false),
+            known_subcells: mask::Mask::new(gpu, true),
+            free: surfels::Surfels::new(gpu, true),
+            give: surfels::Surfels::new(gpu, false),
+            dispatch: dispatch::Dispatch::new(gpu),
+            dark: dark::Dark::new(gpu),
+            direct: direct::Direct::new(gpu),
+            given_subcells: given_subcells::GivenSubcells::new(gpu),
+            view_subcells: view_subcells::ViewSubcells::new(gpu),
+            trace: trace::Trace::new(gpu),
+            sky_light: sky_light::SkyLight::new(gpu),
+            lattice: lattice::Lattice::new(gpu),
+            take_light: bounce::Bounce::new(gpu, false),
+            bounce: bounce::Bounce::new(gpu, true),
+            fade: fade::Fade::new(gpu),
+            looking: reconstruction::Reconstruction::new(gpu, true),
+            trusting: reconstruction::Reconstruction::new(gpu, false),
+            leaks: reconstruction::Reconstruction::of_leaks(gpu),
+            glossy: glossy::Glossy::new(gpu),
+        }
+    }
+}
