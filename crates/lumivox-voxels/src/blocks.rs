@@ -58,7 +58,10 @@ impl<'a> BlockWorker<'a> {
     /// Works out a block and appends its bricks.
     pub(crate) fn block(&mut self, block: UVec3, batches: &[Batch<'_>], packet: &mut Packet) {
         let count: usize = batches.iter().map(|batch| batch.triangles.len()).sum();
-        if count > 2 * SHARE && rayon::current_num_threads() > 1 {
+        // A worker's sums are a megabyte: sharing pays only where a thread would else be left with more than half of its part.
+        let threads = rayon::current_num_threads();
+        let fair = self.job.triangle_count() as usize / (2 * threads);
+        if threads > 1 && count > fair.max(2 * SHARE) {
             self.shared(block, batches);
         } else {
             batches.iter().for_each(|batch| self.batch(block, batch));
@@ -72,7 +75,7 @@ impl<'a> BlockWorker<'a> {
             .iter()
             .flat_map(|batch| batch.triangles.chunks(SHARE).map(|triangles| Batch { triangles, ..*batch }))
             .collect();
-        let group = parts.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let group = parts.len().div_ceil(rayon::current_num_threads()).max(1);
         let done: Vec<Self> = parts
             .par_chunks(group)
             .map(|parts| {

@@ -121,6 +121,10 @@ impl Sweep {
         let [low, middle, high] = corners.map(|corner| corner.point);
         for plane in 1 - from_bottom..self.size.z + to_top {
             let height = f64::from(plane);
+            // Nothing lies below: an edge in the plane is one of the layer above, and no chord beside it.
+            if height <= low.z {
+                continue;
+            }
             let long = at(low, high, height);
             let short = if height < middle.z { at(low, middle, height) } else { at(middle, high, height) };
             // Chords are in the layers that they are said to be in.

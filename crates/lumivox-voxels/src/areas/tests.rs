@@ -77,6 +77,14 @@ proptest! {
     }
 }
 
+/// A triangle that touches the last cells with an edge, and lies beyond them.
+#[test]
+fn what_only_touches_the_last_cells_has_no_area_there() {
+    let corners = [DVec3::new(8.0, 0.0, 0.0), DVec3::new(14.5, 0.0, -6.0), DVec3::new(8.0, 11.5, 5.0)];
+    let within = CellBox { low: IVec3::new(1, 0, 0), high: IVec3::new(7, 0, 1) };
+    compare(corners, &within, 1e-9).unwrap();
+}
+
 #[test]
 fn slivers_have_the_area_of_their_pieces() {
     for n in 0..200 {
