@@ -38,7 +38,7 @@ impl Renderer {
         self.record_view(&mut timer, pace)?;
         if needs_volume(&self.settings) && pace.updates() {
             self.record_volume(&mut timer)?;
-        } else {
+        } else if matches!(self.indirect, Indirect::Gathered(_)) {
             self.record_between(&mut timer)?;
         }
         let mut stats = FrameStats { stages: timer.finish(&self.gpu)? };
@@ -96,7 +96,6 @@ impl Renderer {
                 self.direct_pass.record(gpu, e, shadowed, (batch, factor), camera, &mut self.spare_radiance)
             })?;
         }
-
         Ok(())
     }
 
@@ -104,7 +103,7 @@ impl Renderer {
     fn record_between(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
         let Self { gpu, volume, indirect, camera, .. } = self;
         let gpu = &*gpu;
-        if std::mem::take(&mut self.surfels_are_stale) && matches!(indirect, Indirect::Gathered(_)) {
+        if std::mem::take(&mut self.surfels_are_stale) {
             let lit = (&*volume, &self.direct_light);
             timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
             timer.stage(gpu, "gather/trace", |e| indirect.record_seed(gpu, e, lit, &camera.input))?;

@@ -5,11 +5,9 @@
 use super::SLICEMAP;
 use super::settings::{SlicemapSettings, SlicemapUniform};
 use crate::gpu::{
-    Buffer, GeneratedText, Gpu, GpuError, Texture, Uniform, bind_group_layouts, made_bind_group, validated,
+    Buffer, GeneratedText, Gpu, GpuError, Texture, Uniform, bind_group_layouts, made_bind_group,
 };
-use crate::voxelize::{Mesh, mesh_layout, mesh_text};
-
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+use crate::voxelize::{Mesh, UNWRITTEN, mesh_layout, mesh_text, writing_pipeline};
 
 /// What a pass writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +40,7 @@ impl Draw {
         let text = text(phase, settings.conservative);
         let missing = || GpuError::Binding { pass: text.name, reason: "has no group 0".to_owned() };
         let own = bind_group_layouts(gpu, &text)?.into_iter().next().flatten().ok_or_else(missing)?;
-        let pipeline = pipeline(gpu, &text, [&own, &mesh_layout(gpu)?])?;
+        let pipeline = writing_pipeline(gpu, &text, &[Some(&own), Some(&mesh_layout(gpu)?)])?;
         let groups = uniforms.iter().map(|uniform| {
             let resources = [uniform.binding(), bits.binding(), extents.binding()];
             let entries: Vec<_> = (0..)
@@ -54,7 +52,7 @@ impl Draw {
         Ok(Self {
             name: text.name,
             groups: groups.collect::<Result<_, _>>()?,
-            target: Texture::target(gpu, text.name, settings.size.to_array(), FORMAT)?,
+            target: Texture::target(gpu, text.name, settings.size.to_array(), UNWRITTEN)?,
             vertices: if settings.conservative { 6 } else { 3 },
             pipeline,
         })
@@ -97,45 +95,4 @@ pub(super) fn text(phase: Phase, conservative: bool) -> GeneratedText {
         phase == Phase::Extents
     );
     GeneratedText { name, source: [&mesh_text(), SLICEMAP, &head, include_str!("draw.wgsl")].join("\n") }
-}
-
-fn pipeline(
-    gpu: &Gpu,
-    text: &GeneratedText,
-    groups: [&wgpu::BindGroupLayout; 2],
-) -> Result<wgpu::RenderPipeline, GpuError> {
-    validated(gpu, || {
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(text.name),
-            source: wgpu::ShaderSource::Wgsl(text.source.as_str().into()),
-        });
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(text.name),
-            bind_group_layouts: &groups.map(Some),
-            immediate_size: 0,
-        });
-        let nothing =
-            wgpu::ColorTargetState { format: FORMAT, blend: None, write_mask: wgpu::ColorWrites::empty() };
-        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(text.name),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex_main"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment_main"),
-                compilation_options: Default::default(),
-                targets: &[Some(nothing)],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
-    })
 }

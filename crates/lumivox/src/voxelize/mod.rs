@@ -58,6 +58,7 @@ mod voxelizer;
 use crate::gpu::GeneratedText;
 use crate::volume::Format;
 
+pub(crate) use raster::{UNWRITTEN, writing_pipeline};
 pub(crate) use text::{mesh_layout, mesh_text};
 
 pub use channel::{Channel, Rule, SurfaceFunction};

@@ -32,7 +32,7 @@ const PRIMITIVE: &str = include_str!("primitive.wgsl");
 const FRAGMENT: &str = include_str!("fragment.wgsl");
 
 /// A byte for each pixel, which nothing is written to.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+pub(crate) const UNWRITTEN: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
 /// Which triangles a sweep draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl Raster {
     ) -> Result<Self, GpuError> {
         let (plain, full) = (text(true), text(false));
         let side = grid.dims.max_element();
-        let target = Texture::target(gpu, full.name, [side, side], FORMAT)?;
+        let target = Texture::target(gpu, full.name, [side, side], UNWRITTEN)?;
         let pipelines = [pipeline(gpu, &plain)?, pipeline(gpu, &full)?];
         Ok(Self { name: full.name, pipelines, target, grid: *grid })
     }
@@ -126,19 +126,27 @@ impl Raster {
 
 fn pipeline(gpu: &Gpu, text: &GeneratedText) -> Result<wgpu::RenderPipeline, GpuError> {
     let layouts = bind_group_layouts(gpu, text)?;
+    writing_pipeline(gpu, text, &layouts.iter().map(Option::as_ref).collect::<Vec<_>>())
+}
+
+/// A pipeline whose fragments write to buffers, and to no target.
+pub(crate) fn writing_pipeline(
+    gpu: &Gpu,
+    text: &GeneratedText,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> Result<wgpu::RenderPipeline, GpuError> {
     validated(gpu, || {
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(text.name),
             source: wgpu::ShaderSource::Wgsl(text.source.as_str().into()),
         });
-        let groups: Vec<_> = layouts.iter().map(Option::as_ref).collect();
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(text.name),
-            bind_group_layouts: &groups,
+            bind_group_layouts: groups,
             immediate_size: 0,
         });
         let nothing =
-            wgpu::ColorTargetState { format: FORMAT, blend: None, write_mask: wgpu::ColorWrites::empty() };
+            wgpu::ColorTargetState { format: UNWRITTEN, blend: None, write_mask: wgpu::ColorWrites::empty() };
         gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(text.name),
             layout: Some(&layout),
