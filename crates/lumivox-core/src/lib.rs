@@ -5,6 +5,7 @@
 //! Matrices are named `target_from_source`.
 
 pub mod bounds;
+pub mod closed;
 pub mod grid;
 pub mod packed_field;
 pub mod sh;
@@ -13,6 +14,7 @@ pub mod view;
 pub mod volume;
 
 pub use bounds::Bounds;
+pub use closed::{Lids, lids, open_edges};
 pub use grid::{Grid, GridError};
 pub use packed_field::{PackedField, PackedMapping, PackedMaps, PackedStorage, hit_bias};
 pub use triangles::TriangleView;

@@ -36,6 +36,8 @@
 //! | dissertation chapter 4: visibility fields of rigid objects | [`visibility`] |
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
 //! | the same; dissertation 5.5.1 and chapter 6: voxelization of triangles | [`voxelize`] |
+//! | *Fast Scene Voxelization and Applications*, 2006: a bit for each cell of a column, and light behind leaves | [`slicemap`] |
+//! | the same, 3.3: refraction and frosted glass | [`refraction`] |
 
 // The macros of this crate name it from outside and from inside.
 extern crate self as lumivox;
@@ -46,6 +48,7 @@ pub mod irradiance;
 pub mod light;
 pub mod lpv;
 pub mod progressive;
+pub mod refraction;
 pub mod slicemap;
 pub mod visibility;
 pub mod volume;
@@ -68,13 +71,14 @@ pub fn shaders() -> Vec<gpu::Shader> {
         irradiance::shaders(),
         visibility::shaders(),
         slicemap::shaders(),
+        refraction::shaders(),
     ]
     .concat()
 }
 
 /// The texts that [`voxelize`] and [`progressive::ProgressiveVoxelizer`] make of some sets of channels, for validation and for reading.
 pub fn generated_texts() -> Vec<gpu::GeneratedText> {
-    [voxelize::texts(), progressive::texts(), slicemap::texts()].concat()
+    [voxelize::texts(), progressive::texts(), slicemap::texts(), refraction::texts()].concat()
 }
 
 /// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
@@ -118,6 +122,10 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<voxelize::VoxelLight>(),
         entry::<slicemap::SlicemapUniform>(),
         entry::<slicemap::TransmittanceUniform>(),
+        entry::<refraction::GlassUniform>(),
+        entry::<refraction::RefractionUniform>(),
+        entry::<refraction::ThicknessUniform>(),
+        entry::<refraction::PyramidUniform>(),
         entry::<visibility::FieldUniform>(),
         entry::<visibility::ObjectUniform>(),
         entry::<visibility::TileUniform>(),

@@ -5,6 +5,7 @@ mod models;
 mod plot;
 mod progressive;
 mod report;
+mod slicemap;
 mod timing;
 mod visibility;
 mod voxel_picture;
@@ -45,6 +46,8 @@ enum BenchName {
     Progressive,
     /// Visibility fields: errors, rays per second, occlusion and soft shadows.
     Visibility,
+    /// Slicemaps: bits of columns in one pass, and what is made with them.
+    Slicemap,
 }
 
 /// Runs the command.
@@ -74,6 +77,12 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
                 let mut report = Report::new(&args.out, "visibility", "Visibility fields")?;
                 report.say(&timing::words(&gpu, args.quick));
                 visibility::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
+                report.write()?;
+            }
+            BenchName::Slicemap => {
+                let mut report = Report::new(&args.out, "slicemap", "Slicemaps")?;
+                report.say(&timing::words(&gpu, args.quick));
+                slicemap::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
                 report.write()?;
             }
         }

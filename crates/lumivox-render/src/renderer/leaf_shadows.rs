@@ -9,7 +9,7 @@ use lumivox::core::{Bounds, View};
 use lumivox::gpu::{Gpu, GpuError, StageTimer, Texture};
 use lumivox::light::IRRADIANCE_FORMAT;
 use lumivox::progressive::ViewInput;
-use lumivox::slicemap::{Slicemap, SlicemapSettings, Transmittance, TransmittanceSettings};
+use lumivox::slicemap::{Slicemap, SlicemapSettings, Slicing, Transmittance, TransmittanceSettings};
 use lumivox::voxelize::Mesh;
 use lumivox_scene::{AlphaMode, Scene};
 
@@ -27,11 +27,15 @@ pub struct LeafShadowSettings {
     pub size: u32,
     /// Slices of each column.
     pub slices: u32,
+    /// Where slices lie.
+    pub slicing: Slicing,
+    /// Whether bits are made and counted by tables, as the paper does.
+    pub uses_tables: bool,
 }
 
 impl Default for LeafShadowSettings {
     fn default() -> Self {
-        Self { sigma: 0.3, size: 512, slices: 96 }
+        Self { sigma: 0.3, size: 512, slices: 96, slicing: Slicing::Local, uses_tables: false }
     }
 }
 
@@ -78,12 +82,14 @@ impl LeafShadows {
                 let map = SlicemapSettings {
                     size: UVec2::splat(settings.size),
                     slices: settings.slices,
+                    slicing: settings.slicing,
+                    uses_table: settings.uses_tables,
                     ..SlicemapSettings::default()
                 };
                 Ok(LeafLight {
                     source,
                     map: Slicemap::new(gpu, map)?,
-                    pass: Transmittance::new(gpu, false)?,
+                    pass: Transmittance::new(gpu, settings.uses_tables)?,
                     factor: Texture::target(gpu, "leaves/factor", size.to_array(), IRRADIANCE_FORMAT)?,
                 })
             })
@@ -140,7 +146,8 @@ impl LeafShadows {
     ) -> Result<(), GpuError> {
         let meshes: Vec<(&Mesh, u32)> = self.meshes.iter().map(|(_, mesh)| (mesh, 0)).collect();
         for LeafLight { map, pass, factor, .. } in &mut self.lights {
-            timer.stage(gpu, "slicemap/leaves", |e| map.record(gpu, e, &meshes))?;
+            timer.stage(gpu, "slicemap/extents", |e| map.record_extents(gpu, e, &meshes))?;
+            timer.stage(gpu, "slicemap/bits", |e| map.record_bits(gpu, e, &meshes))?;
             timer
                 .stage(gpu, "slicemap/transmittance", |e| pass.record(gpu, e, map, camera, factor, false))?;
         }

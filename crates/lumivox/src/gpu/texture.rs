@@ -65,7 +65,17 @@ impl Texture {
         Self { id: gpu.count_created(), raw, view }
     }
 
-    /// Width and height in texels.
+    /// One of its mip levels as a texture of its own, to be drawn into or read while others are.
+    pub fn level(&self, gpu: &Gpu, level: u32) -> Self {
+        let view = self.raw.create_view(&wgpu::TextureViewDescriptor {
+            base_mip_level: level,
+            mip_level_count: Some(1),
+            ..Default::default()
+        });
+        Self { id: gpu.count_created(), raw: self.raw.clone(), view }
+    }
+
+    /// Width and height in texels, of the first level.
     pub fn size(&self) -> [u32; 2] {
         [self.raw.width(), self.raw.height()]
     }

@@ -37,14 +37,17 @@ impl Draw {
         phase: Phase,
         (uniforms, bits, extents): (&[Uniform<SlicemapUniform>], &Buffer, &Buffer),
     ) -> Result<Self, GpuError> {
-        let text = text(phase, settings.conservative);
+        let by_table = settings.uses_table && phase == Phase::Bits && !settings.conservative;
+        let text = text(phase, settings.conservative, by_table);
+        let cellmask = cellmask(gpu)?;
         let missing = || GpuError::Binding { pass: text.name, reason: "has no group 0".to_owned() };
         let own = bind_group_layouts(gpu, &text)?.into_iter().next().flatten().ok_or_else(missing)?;
         let pipeline = writing_pipeline(gpu, &text, &[Some(&own), Some(&mesh_layout(gpu)?)])?;
         let groups = uniforms.iter().map(|uniform| {
-            let resources = [uniform.binding(), bits.binding(), extents.binding()];
+            let resources = [uniform.binding(), bits.binding(), extents.binding(), cellmask.binding()];
             let entries: Vec<_> = (0..)
                 .zip(resources)
+                .take(if by_table { 4 } else { 3 })
                 .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
                 .collect();
             made_bind_group(gpu, text.name, &own, &entries)
@@ -84,14 +87,26 @@ impl Draw {
     }
 }
 
+/// The paper's cellmask: of each cell of a word its bit.
+fn cellmask(gpu: &Gpu) -> Result<Buffer, GpuError> {
+    let masks: Vec<u32> = (0..32).map(|n| 1 << n).collect();
+    Buffer::storage_with(gpu, "slicemap/cellmask", &masks)
+}
+
 /// The pass's text.
-pub(super) fn text(phase: Phase, conservative: bool) -> GeneratedText {
+pub(super) fn text(phase: Phase, conservative: bool, by_table: bool) -> GeneratedText {
     let name = match phase {
         Phase::Extents => "slicemap/extents",
         Phase::Bits => "slicemap/bits",
     };
+    let one_bit = if by_table {
+        "@group(0) @binding(3) var<storage, read> slicemap_cellmask: array<u32>;\n\
+         fn one_bit(slice: u32) -> u32 { return slicemap_cellmask[slice % 32u]; }"
+    } else {
+        "fn one_bit(slice: u32) -> u32 { return 1u << (slice % 32u); }"
+    };
     let head = format!(
-        "const EXTENTS: bool = {};\nconst CONSERVATIVE: bool = {conservative};",
+        "const EXTENTS: bool = {};\nconst CONSERVATIVE: bool = {conservative};\n{one_bit}",
         phase == Phase::Extents
     );
     GeneratedText { name, source: [&mesh_text(), SLICEMAP, &head, include_str!("draw.wgsl")].join("\n") }

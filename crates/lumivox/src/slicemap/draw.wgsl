@@ -179,7 +179,8 @@ fn fragment_main(f: Fragment, @builtin(front_facing) is_front: bool) {
         return;
     }
     var range = vec2f(f.distance);
-    var faces_camera = is_front;
+    // A mirrored mesh turns its triangles the other way.
+    var faces_camera = is_front == (mesh.side > 0.0);
     if CONSERVATIVE || mesh.alpha_cutoff >= 0.0 {
         let c = corners(f.triangle);
         var weights = f.weights;
@@ -194,7 +195,7 @@ fn fragment_main(f: Fragment, @builtin(front_facing) is_front: bool) {
             let b = (eye * vec4f(c.world[1], 1.0)).xyz;
             let d = (eye * vec4f(c.world[2], 1.0)).xyz;
             let towards = select(-a, vec3f(0.0, 0.0, 1.0), is_parallel());
-            faces_camera = dot(cross(b - a, d - a), towards) > 0.0;
+            faces_camera = (mesh.side * dot(cross(b - a, d - a), towards)) > 0.0;
         }
         if is_hole(c, weights) {
             return;
@@ -220,6 +221,10 @@ fn fragment_main(f: Fragment, @builtin(front_facing) is_front: bool) {
     let last = slicemap_slice(range.y, near, far);
     let bit_set = slicemap.bit_set + select(0u, slicemap.splits_faces, !faces_camera);
     let word = slicemap_word(column, bit_set);
+    if !CONSERVATIVE {
+        atomicOr(&slicemap_bits[word + first / 32u], one_bit(first));
+        return;
+    }
     for (var n = first / 32u; n <= last / 32u; n++) {
         let crossed_bits = slicemap_bits_before(32u * n, last + 1u) & ~slicemap_bits_before(32u * n, first);
         atomicOr(&slicemap_bits[word + n], crossed_bits);

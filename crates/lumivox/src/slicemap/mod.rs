@@ -24,7 +24,7 @@
 //!
 //! **Core WebGPU** blends with no logical operations, which the paper has in its targets. Fragments set bits by atomics in a buffer, so
 //! there may be any number of slices: 512 take what the paper hoped for of later hardware. The paper looks masks up in a texture
-//! because bits could not be shifted; here they can.
+//! because bits could not be shifted; here they can, and [`SlicemapSettings::uses_table`] brings the table back.
 //!
 //! **What it misses** (2.5): a fragment is one sample of a column, so triangles seen edge-on are missed, and steep ones leave gaps
 //! between slices. [`SlicemapSettings::conservative`] closes both: each column that a triangle touches gets all the bits
@@ -108,20 +108,54 @@ impl Slicemap {
         encoder: &mut wgpu::CommandEncoder,
         meshes: &[(&Mesh, u32)],
     ) -> Result<(), GpuError> {
-        gpu.check()?;
-        if let Some((_, kind)) = meshes.iter().find(|(_, kind)| *kind >= self.settings.kinds) {
-            let kinds = self.settings.kinds;
-            return Err(GpuError::Validation(format!(
-                "a slicemap of {kinds} kinds has none of number {kind}"
-            )));
-        }
-        encoder.clear_buffer(&self.bits.raw, 0, None);
+        self.record_extents(gpu, encoder, meshes)?;
+        self.record_bits(gpu, encoder, meshes)
+    }
+
+    /// The first half of [`Self::record`]: with local slicing, where each column begins and ends. From `bounds`, which may be simpler than what
+    /// is sliced and has to enclose it: what lies before a column's begin or behind its end goes to its first or last cell.
+    ///
+    /// # Errors
+    /// A kind that the settings do not have.
+    pub fn record_extents(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        bounds: &[(&Mesh, u32)],
+    ) -> Result<(), GpuError> {
+        self.check(gpu, bounds)?;
         encoder.clear_buffer(&self.extents.raw, 0, None);
         if let Some(draw) = &self.extents_draw {
-            draw.record(encoder, meshes);
+            draw.record(encoder, bounds);
         }
+        Ok(())
+    }
+
+    /// The second half: the bits, between the extents that there are.
+    ///
+    /// # Errors
+    /// A kind that the settings do not have.
+    pub fn record_bits(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        meshes: &[(&Mesh, u32)],
+    ) -> Result<(), GpuError> {
+        self.check(gpu, meshes)?;
+        encoder.clear_buffer(&self.bits.raw, 0, None);
         self.bits_draw.record(encoder, meshes);
         Ok(())
+    }
+
+    fn check(&self, gpu: &Gpu, meshes: &[(&Mesh, u32)]) -> Result<(), GpuError> {
+        gpu.check()?;
+        let kinds = self.settings.kinds;
+        match meshes.iter().find(|(_, kind)| *kind >= kinds) {
+            Some((_, kind)) => {
+                Err(GpuError::Validation(format!("a slicemap of {kinds} kinds has none of number {kind}")))
+            }
+            None => Ok(()),
+        }
     }
 
     /// All words of all columns: [`SlicemapSettings::words`] for each set, sets of a column one after the other, columns row by row from the
@@ -145,6 +179,11 @@ impl Slicemap {
         self.settings.size
     }
 
+    /// What drawings of each kind read it by.
+    pub(crate) fn uniforms(&self) -> &[Uniform<SlicemapUniform>] {
+        &self.uniforms
+    }
+
     /// What shaders read it by.
     pub(crate) fn uniform(&self) -> &Uniform<SlicemapUniform> {
         &self.uniforms[0]
@@ -158,8 +197,8 @@ pub(crate) fn shaders() -> Vec<Shader> {
 /// For validation and for reading.
 pub(crate) fn texts() -> Vec<GeneratedText> {
     let phases = [Phase::Extents, Phase::Bits];
-    phases
+    let plain = phases
         .into_iter()
-        .flat_map(|phase| [false, true].map(|conservative| draw::text(phase, conservative)))
-        .collect()
+        .flat_map(|phase| [false, true].map(|conservative| draw::text(phase, conservative, false)));
+    plain.chain([draw::text(Phase::Bits, false, true)]).collect()
 }

@@ -30,6 +30,8 @@ pub struct SlicemapSettings {
     pub splits_faces: bool,
     /// Whether columns get all bits that any triangle touches in them. Slower, by two triangles as large as the box around each.
     pub conservative: bool,
+    /// Whether a fragment looks its bit up in a table of 32, as the paper does, in place of shifting; not where `conservative`.
+    pub uses_table: bool,
 }
 
 impl Default for SlicemapSettings {
@@ -42,6 +44,7 @@ impl Default for SlicemapSettings {
             slicing: Slicing::Local,
             splits_faces: false,
             conservative: false,
+            uses_table: false,
         }
     }
 }

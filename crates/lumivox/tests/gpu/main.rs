@@ -23,6 +23,7 @@ mod picture;
 mod progressive;
 mod proof;
 mod random_views;
+mod refraction;
 mod single_pass;
 mod slicemap;
 mod support;
@@ -75,6 +76,7 @@ fn main() -> ExitCode {
         contract::TESTS,
         single_pass::TESTS,
         slicemap::TESTS,
+        refraction::TESTS,
     ]
     .concat();
     let trials =

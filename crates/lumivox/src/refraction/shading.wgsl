@@ -1,0 +1,184 @@
+// What is seen through glass, one pixel per invocation, in linear radiance.
+
+struct GlassUniform {
+    through: vec3f,
+    ior: f32,
+    tint: vec3f,
+    bend: f32,
+    body: vec3f,
+    frost: f32,
+    roughness: f32,
+    gloss: f32,
+    is_thin: u32,
+    reserved: u32,
+}
+
+struct RefractionUniform {
+    kinds: array<GlassUniform, 4>,
+    pixel_angle: f32,
+    uses_picture: u32,
+    kind_count: u32,
+    reserved: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: ViewUniform;
+@group(0) @binding(1) var<uniform> refraction: RefractionUniform;
+@group(0) @binding(2) var depth: texture_2d<f32>;
+@group(0) @binding(3) var picture: texture_2d<f32>;
+// World normal, and one and the kind.
+@group(0) @binding(4) var glass_normal: texture_2d<f32>;
+@group(0) @binding(5) var glass_depth: texture_2d<f32>;
+@group(0) @binding(6) var thickness: texture_2d<f32>;
+@group(0) @binding(7) var background: texture_2d<f32>;
+@group(0) @binding(8) var background_sampler: sampler;
+@group(0) @binding(9) var environment: texture_2d<f32>;
+@group(0) @binding(10) var environment_sampler: sampler;
+
+const PI: f32 = 3.1415927;
+// Rays are bent by at most so many times the refraction at the first surface.
+const MOST_BENT: f32 = 4.0;
+// Pictures fade into the environment over this share of their size.
+const BORDER: f32 = 0.04;
+
+// The way that a pixel looks.
+fn way_of(texel: vec2u) -> vec3f {
+    let far = world_from_texel(view, texel, mix(view.far_depth, 1.0 - view.far_depth, 0.25));
+    let near = world_from_texel(view, texel, mix(view.far_depth, 1.0 - view.far_depth, 0.5));
+    return normalize(far - near);
+}
+
+// Weights of a cubic B-spline, and where two bilinear look-ups take the place of its four texels along an axis.
+fn spline(f: f32) -> vec4f {
+    let g = 1.0 - f;
+    let w0 = g * g * g / 6.0;
+    let w1 = (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0;
+    let w2 = (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0;
+    let w3 = f * f * f / 6.0;
+    return vec4f(w0 + w1, w2 + w3, w1 / (w0 + w1) - 1.0, w3 / (w2 + w3) + 1.0);
+}
+
+struct Taps {
+    low: vec2f,
+    high: vec2f,
+    weight: vec2f,
+}
+
+// Bilinear look-ups show the texels of coarse levels as diamonds; a spline over 4 x 4 of them does not.
+fn taps(uv: vec2f, size: vec2f) -> Taps {
+    let at = uv * size - 0.5;
+    let middle = floor(at) + 0.5;
+    let x = spline(fract(at.x));
+    let y = spline(fract(at.y));
+    return Taps((middle + vec2f(x.z, y.z)) / size, (middle + vec2f(x.w, y.w)) / size, vec2f(x.y, y.y));
+}
+
+fn smooth_background(uv: vec2f, level: f32) -> vec3f {
+    let t = taps(uv, max(vec2f(textureDimensions(background)) * exp2(-level), vec2f(1.0)));
+    let upper = mix(textureSampleLevel(background, background_sampler, t.low, level).rgb,
+        textureSampleLevel(background, background_sampler, vec2f(t.high.x, t.low.y), level).rgb, t.weight.x);
+    let lower = mix(textureSampleLevel(background, background_sampler, vec2f(t.low.x, t.high.y), level).rgb,
+        textureSampleLevel(background, background_sampler, t.high, level).rgb, t.weight.x);
+    return mix(upper, lower, t.weight.y);
+}
+
+fn smooth_environment(uv: vec2f, level: f32) -> vec3f {
+    let t = taps(uv, max(vec2f(textureDimensions(environment)) * exp2(-level), vec2f(1.0)));
+    let upper = mix(textureSampleLevel(environment, environment_sampler, t.low, level).rgb,
+        textureSampleLevel(environment, environment_sampler, vec2f(t.high.x, t.low.y), level).rgb, t.weight.x);
+    let lower = mix(textureSampleLevel(environment, environment_sampler, vec2f(t.low.x, t.high.y), level).rgb,
+        textureSampleLevel(environment, environment_sampler, t.high, level).rgb, t.weight.x);
+    return mix(upper, lower, t.weight.y);
+}
+
+// What lies far away along a direction, blurred by so many radians.
+fn environment_along(d: vec3f, blur: f32) -> vec3f {
+    let uv = vec2f(0.5 + atan2(d.x, -d.z) / (2.0 * PI), 0.5 - asin(clamp(d.y, -1.0, 1.0)) / PI);
+    let texel = 2.0 * PI / f32(textureDimensions(environment).x);
+    let level = max(log2(max(blur / texel, 1e-6)), 0.0);
+    if level <= 0.0 {
+        return textureSampleLevel(environment, environment_sampler, uv, 0.0).rgb;
+    }
+    return smooth_environment(uv, level);
+}
+
+// What a ray from `start` sees: the picture where it shows that place, else the environment.
+fn seen_along(texel: vec2u, start: vec3f, d: vec3f, way: vec3f, blur: f32) -> vec3f {
+    if refraction.uses_picture == 0u {
+        return environment_along(d, blur);
+    }
+    // As far as what is straight behind.
+    let behind_depth = textureLoad(depth, texel, 0).r;
+    var clip = view.clip_from_world * vec4f(d, 0.0);
+    if behind_depth != view.far_depth {
+        let behind = world_from_texel(view, texel, behind_depth);
+        let reach = max(dot(behind - start, way), 0.0);
+        clip = view.clip_from_world * vec4f(start + reach * d, 1.0);
+    }
+    let uv = uv_from_ndc(clip.xy / max(clip.w, 1e-20));
+    let inside = min(uv, 1.0 - uv) / BORDER;
+    var share = saturate(min(inside.x, inside.y));
+    if clip.w <= 0.0 {
+        share = 0.0;
+    }
+    var around = vec3f(0.0);
+    if share < 1.0 {
+        around = environment_along(d, blur);
+    }
+    if share <= 0.0 {
+        return around;
+    }
+    let level = max(log2(max(blur / refraction.pixel_angle, 1e-6)), 0.0);
+    var found = vec3f(0.0);
+    if level <= 0.0 {
+        found = textureSampleLevel(background, background_sampler, uv, 0.0).rgb;
+    } else {
+        found = smooth_background(uv, level);
+    }
+    return mix(around, found, share);
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let texel = vec2u(position.xy);
+    let plain = textureLoad(picture, texel, 0);
+    let glass = textureLoad(glass_normal, texel, 0);
+    let front_depth = textureLoad(glass_depth, texel, 0).r;
+    let behind_depth = textureLoad(depth, texel, 0).r;
+    let is_hidden = (view.far_depth == 0.0 && behind_depth > front_depth)
+        || (view.far_depth != 0.0 && behind_depth < front_depth);
+    if glass.w < 0.5 || is_hidden {
+        return plain;
+    }
+    let kind = min(u32(glass.w - 0.5), 3u);
+    let own = refraction.kinds[kind];
+    let way = way_of(texel);
+    let n = normalize(glass.xyz);
+    let columns = vec2f(textureDimensions(thickness));
+    let column = vec2u((vec2f(texel) + 0.5) / vec2f(view.size) * columns);
+    let metres = textureLoad(thickness, min(column, vec2u(columns) - 1u), 0);
+
+    // All kinds on the way take light and blur; the first bends.
+    var left = own.tint;
+    var lost = vec3f(0.0);
+    var blur = own.roughness;
+    for (var k = 0u; k < refraction.kind_count; k++) {
+        let glass_k = refraction.kinds[k];
+        let m = select(metres[k], 0.0, glass_k.is_thin != 0u);
+        let passes = pow(glass_k.through, vec3f(m));
+        lost += (1.0 - passes) * glass_k.body;
+        left *= passes;
+        blur += glass_k.frost * m;
+    }
+    let own_metres = select(metres[kind], 0.0, own.is_thin != 0u);
+    let bent = refract(way, n, 1.0 / own.ior);
+    let share = min(own.bend * own_metres, MOST_BENT);
+    let d = normalize(way + share * (bent - way));
+    let front = world_from_texel(view, texel, front_depth);
+    var shown = left * seen_along(texel, front + own_metres * way, d, way, blur) + lost;
+
+    // Schlick.
+    let head_on = pow((own.ior - 1.0) / (own.ior + 1.0), 2.0);
+    let mirrored = own.gloss * (head_on + (1.0 - head_on) * pow(1.0 - saturate(-dot(way, n)), 5.0));
+    shown = mix(shown, environment_along(reflect(way, n), own.roughness), mirrored);
+    return vec4f(min(shown, vec3f(HALF_MAX)), plain.a);
+}
