@@ -1,6 +1,9 @@
 //! Options that have no effect beside others: whoever gives one expects something, and is told.
 
-use super::{BlockingArg, GiArg, LayerArg, MirrorArg, RenderArgs, VoxelizerArg, VoxelsArg};
+use super::{
+    AoArg, BlockingArg, ByArg, GiArg, LayerArg, MirrorArg, ObjectArgs, ReflectionsArg, RenderArgs,
+    VoxelizerArg, VoxelsArg,
+};
 
 /// A sentence for each option of a picture that does nothing beside the others.
 pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
@@ -29,7 +32,40 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
         ),
         (needs_gather && !gathers, "this --layer is of gathered light, and black without --gi gather"),
     ];
-    found.into_iter().filter(|(is_idle, _)| *is_idle).map(|(_, told)| told.to_owned()).collect()
+    found
+        .into_iter()
+        .chain(of_objects(&args.objects))
+        .filter(|(is_idle, _)| *is_idle)
+        .map(|(_, told)| told.to_owned())
+        .collect()
+}
+
+/// Options of visibility fields.
+fn of_objects(args: &ObjectArgs) -> [(bool, &'static str); 5] {
+    let by_field = args.shadows == ByArg::Field;
+    let (occludes, mirrors) = (args.ao != AoArg::Maps, args.reflections == ReflectionsArg::Field);
+    let of_fields = args.field_points.is_some()
+        || args.field_directions.is_some()
+        || args.field_maps.is_some()
+        || args.field_rays.is_some()
+        || !args.casters.is_empty();
+    [
+        (
+            of_fields && !by_field && !occludes && !mirrors,
+            "--casters and --field-... are for visibility fields: --ao, --shadows or --reflections field",
+        ),
+        (
+            (args.polish.is_some() || args.reflectance.is_some()) && !mirrors,
+            "--polish and --reflectance are for --reflections field",
+        ),
+        (args.light_radius.is_some() && !by_field, "--light-radius is for --shadows field"),
+        (args.ao_reach.is_some() && !occludes, "--ao-reach and --ao-exponent are for --ao field or subtract"),
+        (
+            args.sigma != lumivox_render::LeafShadowSettings::default().sigma
+                && args.shadows != ByArg::Transmittance,
+            "--sigma is for --shadows transmittance",
+        ),
+    ]
 }
 
 #[cfg(test)]
@@ -59,6 +95,9 @@ mod tests {
             "--frames 3 --light-budget 4",
             "--layer voxels --slice y:1 --voxels unseen --voxelizer progressive",
             "--layer lobes",
+            "--ao field --ao-reach 2 --casters ball --field-maps nearest",
+            "--shadows field --light-radius 0.2 --field-rays 4",
+            "--reflections field --polish 0.1 --field-points 290",
         ] {
             assert_eq!(told(useful), 0, "{useful}");
         }
@@ -72,6 +111,12 @@ mod tests {
             "--voxels normal",
             "--layer voxels --voxels unseen",
             "--layer leaks --gi off",
+            "--casters ball",
+            "--field-points 290 --field-maps nearest",
+            "--polish 0.2 --ao field",
+            "--light-radius 0.2",
+            "--ao-reach 2",
+            "--sigma 0.1",
         ] {
             assert_eq!(told(idle), 1, "{idle}");
         }

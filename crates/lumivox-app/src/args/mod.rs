@@ -156,25 +156,42 @@ pub(crate) struct ObjectArgs {
     /// the light that is gathered.
     #[arg(long, value_enum, default_value = "none")]
     pub(crate) reflections: ReflectionsArg,
-    /// Roughness of the polish, 0 for a mirror to 1.
-    #[arg(long, value_name = "0..1", default_value_t = 0.15)]
-    pub(crate) polish: f32,
-    /// The part of light that the polish mirrors head on, 0 to 1; more at grazing angles.
-    #[arg(long, value_name = "0..1", default_value_t = 0.1)]
-    pub(crate) reflectance: f32,
+    /// Roughness of the polish, 0 for a mirror to 1 [default: 0.15]
+    #[arg(long, value_name = "0..1")]
+    pub(crate) polish: Option<f32>,
+    /// The part of light that the polish mirrors head on, 0 to 1; more at grazing angles [default: 0.1]
+    #[arg(long, value_name = "0..1")]
+    pub(crate) reflectance: Option<f32>,
     /// Rays per pixel into visibility fields, for occlusion, for each light and, 64 at most, for reflections. Stills take 64, series 16
     /// unless said otherwise.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) field_rays: Option<u32>,
-    /// Sample points of each field: 82, 290, 1090, 4226 or 16642.
-    #[arg(long, value_name = "N", default_value_t = 4226)]
-    pub(crate) field_points: u32,
-    /// Directions along a side of each of its maps: 32, 64, 128 or 256.
-    #[arg(long, value_name = "N", default_value_t = 64)]
-    pub(crate) field_directions: u32,
-    /// Radius of point and spot lights in soft shadows, metres.
-    #[arg(long, value_name = "METRES", default_value_t = 0.1)]
-    pub(crate) light_radius: f32,
+    /// Sample points of each field: 82, 290, 1090, 4226 or 16642 [default: 4226]
+    #[arg(long, value_name = "N")]
+    pub(crate) field_points: Option<u32>,
+    /// Directions along a side of each of its maps: 32, 64, 128 or 256 [default: 64]
+    #[arg(long, value_name = "N")]
+    pub(crate) field_directions: Option<u32>,
+    /// Which maps of a field answer for a ray from outside [default: three]
+    #[arg(long, value_enum)]
+    pub(crate) field_maps: Option<FieldMapsArg>,
+    /// How far away objects take light of the sky with --ao, metres; less the farther they are. From any distance unless given.
+    #[arg(long, value_name = "METRES")]
+    pub(crate) ao_reach: Option<f32>,
+    /// Exponent of that falloff, 1 - (1 - distance / reach)^exponent: above 1 what is near counts more.
+    #[arg(long, value_name = "EXPONENT", requires = "ao_reach")]
+    pub(crate) ao_exponent: Option<f32>,
+    /// Radius of point and spot lights in soft shadows, metres [default: 0.1]
+    #[arg(long, value_name = "METRES")]
+    pub(crate) light_radius: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FieldMapsArg {
+    /// That of the sample point nearest to where the ray enters.
+    Nearest,
+    /// Those of the three sample points around: less grain for three times the look-ups.
+    Three,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -11,8 +11,8 @@ use lumivox_scene::Scene;
 use super::object::Object;
 use crate::render;
 
-/// The most spheres of one object.
-const MOST_PARTS: usize = 8;
+/// The most spheres of one object, unless said otherwise.
+pub(crate) const MOST_PARTS: usize = 8;
 
 /// Bakes a field for each mesh that casts, or takes it from the cache; elongated ones are cut into parts with a field each.
 ///

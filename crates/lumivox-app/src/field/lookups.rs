@@ -6,10 +6,14 @@ use lumivox_render::{LeafShadowSettings, ObjectFields, Polish, Settings};
 use lumivox_scene::Scene;
 
 use super::casters;
-use crate::args::{AoArg, ByArg, ObjectArgs, ReflectionsArg};
+use crate::args::{AoArg, ByArg, FieldMapsArg, ObjectArgs, ReflectionsArg};
 
 /// Smoother than this a surface is a mirror.
 const MIRROR: f32 = 0.05;
+/// Roughness, mirrored part and metres, unless said otherwise.
+const POLISH: f32 = 0.15;
+const REFLECTANCE: f32 = 0.1;
+const LIGHT_RADIUS: f32 = 0.1;
 
 /// The fields that pictures look things up in; none where nobody asks.
 pub(crate) fn object_fields(args: &ObjectArgs, scene: &Scene) -> Result<ObjectFields> {
@@ -20,17 +24,28 @@ pub(crate) fn object_fields(args: &ObjectArgs, scene: &Scene) -> Result<ObjectFi
     if args.ao == AoArg::Maps && args.shadows != ByArg::Field && !normals {
         return Ok(ObjectFields::default());
     }
-    if !(0.0..=1.0).contains(&args.polish) || !(0.0..=1.0).contains(&args.reflectance) {
+    if [args.polish, args.reflectance].into_iter().flatten().any(|part| !(0.0..=1.0).contains(&part)) {
         bail!("--polish and --reflectance must be 0 to 1");
     }
-    if !(0.0..=1e6).contains(&args.light_radius) {
+    if args.light_radius.is_some_and(|radius| !(0.0..=1e6).contains(&radius)) {
         bail!("--light-radius must be 0 to 1e6 metres");
+    }
+    if args.ao_reach.is_some_and(|reach| !(reach > 0.0 && reach.is_finite())) {
+        bail!("--ao-reach must be more than 0 metres");
+    }
+    if args.ao_exponent.is_some_and(|exponent| !(1e-3..=1e3).contains(&exponent)) {
+        bail!("--ao-exponent must be 0.001 to 1000");
     }
     if args.ao != AoArg::Maps && scene.sky == glam::Vec3::ZERO && scene.sky_map.is_none() {
         tracing::warn!("there is no sky: --ao field has no light to take from");
     }
-    let (points, directions) = (args.field_points, args.field_directions);
-    let settings = lumivox_field::Settings { points, directions, normals, ..Default::default() };
+    let usual = lumivox_field::Settings::default();
+    let settings = lumivox_field::Settings {
+        points: args.field_points.unwrap_or(usual.points),
+        directions: args.field_directions.unwrap_or(usual.directions),
+        normals,
+        ..usual
+    };
     settings.check()?;
     casters::fields(scene, &args.casters, settings)
 }
@@ -39,6 +54,9 @@ pub(crate) fn object_fields(args: &ObjectArgs, scene: &Scene) -> Result<ObjectFi
 pub(crate) fn with_objects(settings: Settings, args: &ObjectArgs, still: bool) -> Settings {
     let rays = args.field_rays.unwrap_or(if still { 64 } else { 16 });
     let shadows = args.shadows == ByArg::Field;
+    let blended = args.field_maps != Some(FieldMapsArg::Nearest);
+    let roughness = args.polish.unwrap_or(POLISH);
+    let usual = OcclusionSettings::default();
     let combine = match args.ao {
         AoArg::Maps => None,
         AoArg::Field => Some(Combine::Nearest),
@@ -47,24 +65,26 @@ pub(crate) fn with_objects(settings: Settings, args: &ObjectArgs, still: bool) -
     let polish = Polish {
         reflections: ReflectionSettings {
             rays,
-            roughness: args.polish,
-            blended: true,
+            roughness,
+            blended,
             // A mirror stays sharp.
-            denoise: args.polish >= MIRROR,
+            denoise: roughness >= MIRROR,
         },
-        reflectance: args.reflectance,
+        reflectance: args.reflectance.unwrap_or(REFLECTANCE),
     };
     Settings {
         occlusion: combine.map(|combine| OcclusionSettings {
             rays,
-            blended: true,
+            reach: args.ao_reach.unwrap_or(usual.reach),
+            exponent: args.ao_exponent.unwrap_or(usual.exponent),
+            blended,
             combine,
-            ..OcclusionSettings::default()
+            ..usual
         }),
-        soft_shadows: shadows.then(|| ShadowSettings { rays, blended: true, ..ShadowSettings::default() }),
+        soft_shadows: shadows.then(|| ShadowSettings { rays, blended, ..ShadowSettings::default() }),
         leaf_shadows: (args.shadows == ByArg::Transmittance)
             .then(|| LeafShadowSettings { sigma: args.sigma, ..LeafShadowSettings::default() }),
-        light_radius: args.light_radius,
+        light_radius: args.light_radius.unwrap_or(LIGHT_RADIUS),
         polish: (args.reflections == ReflectionsArg::Field).then_some(polish),
         ..settings
     }

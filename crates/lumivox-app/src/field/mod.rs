@@ -20,6 +20,9 @@ use report::{FieldStats, SphereStats};
 
 use crate::{clock, output, render, stats};
 
+/// Shorter bakes say nothing of rays per CPU-second.
+const LEAST_CPU_SECONDS: f64 = 0.2;
+
 /// Runs the command.
 pub(crate) fn run(args: &FieldArgs) -> Result<()> {
     args.settings()?;
@@ -40,8 +43,9 @@ pub(crate) fn run(args: &FieldArgs) -> Result<()> {
 }
 
 fn read(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
-    if args.output.is_some() {
-        bail!("{}: a field is baked from a mesh; this is one already", args.input);
+    let idle = args.of_baking();
+    if !idle.is_empty() {
+        bail!("{} is a field already: {} say how one is baked from a mesh", args.input, idle.join(", "));
     }
     let start = clock::millis();
     let field = Field::load(&args.input)?;
@@ -57,14 +61,18 @@ fn baked(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
     let scene = lumivox_scene::load(&args.input)?;
     stats::warn_of_import(&scene);
     let object = Object::whole(&scene);
-    let pieces = parts(&object.mesh(), args.spheres as usize).with_context(|| args.input.clone())?;
+    let pieces = parts(&object.mesh(), args.spheres()).with_context(|| args.input.clone())?;
     let load_ms = clock::millis() - start;
     let (begun, cpu) = (clock::millis(), clock::cpu_seconds());
     let bar = render::progress(u64::from(settings.points) * pieces.len() as u64, "maps");
-    let (mut fields, mut spheres, mut rays) = (Vec::new(), Vec::new(), 0);
+    let (mut fields, mut spheres) = (Vec::new(), Vec::new());
+    let (mut rays, mut all_rays) = (0, 0);
     for (n, piece) in pieces.iter().enumerate() {
         let before = u64::from(settings.points) * n as u64;
+        // What an earlier bake left is not traced again.
+        let mut traced = 0;
         let observe = |progress: lumivox_field::Progress| {
+            traced = progress.rays;
             bar.set_position(before + u64::from(progress.maps_done));
             ControlFlow::Continue(())
         };
@@ -78,7 +86,8 @@ fn baked(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
             }
             None => baker.bake(observe)?,
         };
-        rays += baker.rays();
+        rays += traced;
+        all_rays += baker.rays();
         spheres.push(SphereStats::of(&field, path.as_deref()));
         fields.push(field);
     }
@@ -93,10 +102,13 @@ fn baked(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
     done.spheres = spheres;
     done.bake_ms = Some(ms);
     done.rays = Some(rays);
+    done.rays_kept = Some(all_rays - rays);
     done.million_rays_per_second = Some(rays as f64 / ms.max(1e-6) / 1e3);
-    done.million_rays_per_cpu_second = cpu.map(|cpu| rays as f64 / cpu.max(1e-6) / 1e6);
-    if args.check > 0 {
-        check(args.check, &object, &fields, &mut done)?;
+    // The system counts in hundredths of a second.
+    let cpu = cpu.filter(|cpu| *cpu >= LEAST_CPU_SECONDS);
+    done.million_rays_per_cpu_second = cpu.map(|cpu| rays as f64 / cpu / 1e6);
+    if args.check() > 0 {
+        check(args.check(), &object, &fields, &mut done)?;
     }
     Ok((fields, done))
 }

@@ -27,7 +27,9 @@ pub(super) struct FieldStats {
     pub(super) spheres: Vec<SphereStats>,
     /// Volume of all spheres over that of the one around everything.
     pub(super) room: Option<f64>,
+    /// Traced by this bake, and kept from one that was stopped.
     pub(super) rays: Option<u64>,
+    pub(super) rays_kept: Option<u64>,
     pub(super) load_ms: f64,
     pub(super) bake_ms: Option<f64>,
     pub(super) million_rays_per_second: Option<f64>,
@@ -106,6 +108,9 @@ impl FieldStats {
         }
         if let (Some(ms), Some(rays), Some(rate)) = (self.bake_ms, self.rays, self.million_rays_per_second) {
             words += &format!("\nbaked in {:.2} s: {rays} rays, {rate:.2} million a second", ms / 1e3);
+            if let Some(kept) = self.rays_kept.filter(|kept| *kept > 0) {
+                words += &format!(", and {kept} kept from a bake that was stopped");
+            }
             if let Some(rate) = self.million_rays_per_cpu_second {
                 words += &format!(", {rate:.2} million a CPU-second");
             }

@@ -38,7 +38,9 @@ pub enum Interpolation {
     #[default]
     Nearest,
     /// Those of the three points around the entry: a hit where at least half of them by weight have one, at their mean
-    /// distance. Less grain (4.7.1) for three times the look-ups.
+    /// distance. Less grain (4.7.1) for three times the look-ups. Rays that start within the sphere take the nearest all the
+    /// same: there three distances to parts in front of the origin and behind it have a mean that is neither, which made
+    /// the error of the bunny's self-occlusion 5.0 in place of 2.9 grey levels of 255.
     Blended,
 }
 
@@ -153,6 +155,7 @@ impl Field {
     fn found_ahead(&self, ray: &Ray, bias: f32, interpolation: Interpolation) -> Option<(f32, Vec3, Vec3)> {
         let Entry { direction, point, exit: last, way } = self.entry(ray)?;
         let Way { entry: start, exit, length } = way;
+        let interpolation = if start < 0.0 { Interpolation::Nearest } else { interpolation };
         let rest = self.rest_from(point, direction, interpolation);
         if rest == f32::INFINITY {
             return None;

@@ -82,6 +82,12 @@ fn extension(name: &str) -> String {
     }
 }
 
+/// The name of a file without folders and its end.
+fn stem(name: &str) -> &str {
+    let file = name.rsplit(['/', '\\']).next().unwrap_or_default();
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
+}
+
 fn check_extension(name: &str) -> Result<(), SceneError> {
     let extension = extension(name);
     if EXTENSIONS.contains(&extension.as_str()) {
@@ -133,6 +139,8 @@ fn single(
     limits: &Limits,
     shading: Shading,
 ) -> Result<Scene, SceneError> {
+    // Such files name no mesh.
+    let raw = RawMesh { name: stem(source.name()).to_owned(), ..raw };
     raw.check(source.name(), limits)?;
     if raw.indices.is_empty() {
         scene.report.warn("the file has no triangles");

@@ -26,15 +26,22 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let seen = seen_in(vec2u(id.x % tiles.tiles.x, id.x / tiles.tiles.x));
+    let first = first_word(id.x);
     var some = false;
+    var filled = 0u;
     for (var word = 0u; word < tiles.words; word++) {
         var bits = 0u;
         let count = min(tiles.object_count - 32u * word, 32u);
         for (var n = 0u; n < count && seen.any; n++) {
             bits |= select(0u, 1u << n, reaches(seen, objects[32u * word + n]));
         }
-        tile_masks[id.x * tiles.words + word] = bits;
+        tile_masks[first + word] = bits;
+        filled |= select(0u, 1u << (word & 31u), bits != 0u);
         some = some || bits != 0u;
+        if (word & 31u) == 31u || word + 1u == tiles.words {
+            tile_masks[first + tiles.words + word / 32u] = filled;
+            filled = 0u;
+        }
     }
     if some {
         tile_list[atomicAdd(&draw.instance_count, 1u)] = id.x;

@@ -215,12 +215,12 @@ fn triangle_around(field: FieldUniform, direction: vec3f) -> Around {
     return around;
 }
 
-// Whether three maps answer for a ray, in place of the nearest.
+// Whether three maps answer for a ray from outside, in place of the nearest.
 override BLENDED: bool;
 
 // Distance from a point of the unit sphere inwards, in radii.
-fn rest_from(field: FieldUniform, point: vec3f, direction: vec3f) -> f32 {
-    if !BLENDED {
+fn rest_from(field: FieldUniform, point: vec3f, direction: vec3f, blended: bool) -> f32 {
+    if !blended {
         return rest_at(field, nearest_point(field, point), direction);
     }
     var around = triangle_around(field, point);
@@ -294,11 +294,12 @@ fn ahead(object: ObjectUniform, origin: vec3f, direction: vec3f) -> Ahead {
         return found;
     }
     let field = fields[object.field];
+    let blended = BLENDED && start >= 0.0;
     // First from the entry; if what is met there lies behind, backwards from the exit. A loop, since software drivers would take
     // both turns of a branch.
     found.point = ray.origin + start * ray.direction;
     for (var turn = 0; turn < 2; turn++) {
-        let rest = rest_from(field, found.point, found.direction);
+        let rest = rest_from(field, found.point, found.direction, blended);
         if rest >= NOTHING {
             break;
         }

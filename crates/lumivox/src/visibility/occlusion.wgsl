@@ -36,21 +36,26 @@ fn blocked(distance: f32) -> f32 {
 }
 
 // What the objects of a tile take of a ray.
-fn ray_occlusion(first_word: u32, origin: vec3f, direction: vec3f) -> f32 {
+fn ray_occlusion(first: u32, origin: vec3f, direction: vec3f) -> f32 {
     var sum = 0.0;
     var nearest = NOTHING;
     var caster = NO_CASTER;
-    for (var word = 0u; word < tiles.words; word++) {
-        var bits = met_spheres(tile_masks[first_word + word], 32u * word, origin, direction);
-        while bits != 0u {
-            let object = objects[32u * word + firstTrailingBit(bits)];
-            bits &= bits - 1u;
-            if occlusion.subtracts != 0u && object.caster != caster {
-                sum += blocked(nearest);
-                nearest = NOTHING;
-                caster = object.caster;
+    for (var group = 0u; group < filled_words(); group++) {
+        var filled = tile_masks[first + tiles.words + group];
+        while filled != 0u {
+            let word = 32u * group + firstTrailingBit(filled);
+            filled &= filled - 1u;
+            var bits = met_spheres(tile_masks[first + word], 32u * word, origin, direction);
+            while bits != 0u {
+                let object = objects[32u * word + firstTrailingBit(bits)];
+                bits &= bits - 1u;
+                if occlusion.subtracts != 0u && object.caster != caster {
+                    sum += blocked(nearest);
+                    nearest = NOTHING;
+                    caster = object.caster;
+                }
+                nearest = min(nearest, ahead(object, origin, direction).distance);
             }
-            nearest = min(nearest, ahead(object, origin, direction).distance);
         }
     }
     return sum + blocked(nearest);
@@ -68,7 +73,7 @@ fn fragment(in: TileVertex) -> @location(0) vec4f {
     var taken = 0.0;
     for (var ray = 0u; ray < occlusion.rays; ray++) {
         let direction = cosine_direction(normalize(n), pixel_sample(texel, ray, occlusion.rays));
-        taken += ray_occlusion(in.tile * tiles.words, p, direction);
+        taken += ray_occlusion(first_word(in.tile), p, direction);
     }
     return vec4f(max(1.0 - taken / f32(occlusion.rays), 0.0));
 }

@@ -44,12 +44,18 @@ pub struct ReflectionSettings {
     /// Rays per pixel, 1 to 64. With denoising 16 times as many count.
     pub rays: u32,
     /// Roughness of every surface, 0 to 1, unless a texture says it per pixel: the square root of GGX's width. Surfaces of 1 are
-    /// matt and cost nothing.
+    /// matt and cost nothing. With a texture, about that of most.
     pub roughness: f32,
     /// Whether three maps answer for a ray.
     pub blended: bool,
     /// Whether the patterns of neighbouring pixels are put together. Mirrors are sharper without.
     pub denoise: bool,
+}
+
+impl ReflectionSettings {
+    /// From this roughness on denoising goes over the picture twice. Lobes as wide meet the rims of objects one ray after the
+    /// other, in steps that one mean over a block leaves; narrower ones would be blurred.
+    pub const WIDE: f32 = 0.25;
 }
 
 impl Default for ReflectionSettings {
@@ -110,7 +116,11 @@ impl Reflections {
         Ok(Self {
             cull: Cull::new(gpu, &CULL_SHADER),
             pass: TiledPass::new(gpu, &SHADER, REFLECTION_FORMAT, &blending(settings.blended)),
-            denoise: Denoise::new(gpu, REFLECTION_FORMAT),
+            denoise: if settings.denoise && settings.roughness >= ReflectionSettings::WIDE {
+                Denoise::twice(gpu, REFLECTION_FORMAT, size)?
+            } else {
+                Denoise::new(gpu, REFLECTION_FORMAT)
+            },
             tiles: Tiles::new(gpu, size, objects.capacity)?,
             uniform: Uniform::new(gpu, "visibility/reflection", &uniform),
             light: Uniform::new(gpu, "visibility/hit light", &bytemuck::Zeroable::zeroed()),

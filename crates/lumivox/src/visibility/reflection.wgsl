@@ -34,16 +34,21 @@ struct NearestHit {
 }
 
 // The nearest hit over the objects of a tile.
-fn nearest_hit(first_word: u32, origin: vec3f, direction: vec3f) -> NearestHit {
+fn nearest_hit(first: u32, origin: vec3f, direction: vec3f) -> NearestHit {
     var nearest = NearestHit(Ahead(NOTHING, vec3f(0.0), direction), 0u);
-    for (var word = 0u; word < tiles.words; word++) {
-        var bits = met_spheres(tile_masks[first_word + word], 32u * word, origin, direction);
-        while bits != 0u {
-            let n = 32u * word + firstTrailingBit(bits);
-            bits &= bits - 1u;
-            let found = ahead(objects[n], origin, direction);
-            if found.distance < nearest.hit.distance {
-                nearest = NearestHit(found, n);
+    for (var group = 0u; group < filled_words(); group++) {
+        var filled = tile_masks[first + tiles.words + group];
+        while filled != 0u {
+            let word = 32u * group + firstTrailingBit(filled);
+            filled &= filled - 1u;
+            var bits = met_spheres(tile_masks[first + word], 32u * word, origin, direction);
+            while bits != 0u {
+                let n = 32u * word + firstTrailingBit(bits);
+                bits &= bits - 1u;
+                let found = ahead(objects[n], origin, direction);
+                if found.distance < nearest.hit.distance {
+                    nearest = NearestHit(found, n);
+                }
             }
         }
     }
@@ -69,7 +74,7 @@ fn fragment(in: TileVertex) -> @location(0) vec4f {
         let ray = lobe_ray(normalize(n), toward, rough, unit);
         sent += ray.weight;
         if ray.weight > 0.0 {
-            let found = nearest_hit(in.tile * tiles.words, p, ray.direction);
+            let found = nearest_hit(first_word(in.tile), p, ray.direction);
             if found.hit.distance < NOTHING {
                 let object = objects[found.object];
                 let met = p + found.hit.distance * ray.direction;

@@ -59,14 +59,19 @@ fn light_ray(p: vec3f, n: vec3f, unit: vec2f) -> LightRay {
 }
 
 // Whether an object of a tile stands in the way.
-fn is_blocked(first_word: u32, p: vec3f, ray: LightRay) -> bool {
-    for (var word = 0u; word < tiles.words; word++) {
-        var bits = met_spheres(tile_masks[first_word + word], 32u * word, p, ray.way);
-        while bits != 0u {
-            let object = objects[32u * word + firstTrailingBit(bits)];
-            bits &= bits - 1u;
-            if ahead(object, p, ray.way).distance < ray.ends {
-                return true;
+fn is_blocked(first: u32, p: vec3f, ray: LightRay) -> bool {
+    for (var group = 0u; group < filled_words(); group++) {
+        var filled = tile_masks[first + tiles.words + group];
+        while filled != 0u {
+            let word = 32u * group + firstTrailingBit(filled);
+            filled &= filled - 1u;
+            var bits = met_spheres(tile_masks[first + word], 32u * word, p, ray.way);
+            while bits != 0u {
+                let object = objects[32u * word + firstTrailingBit(bits)];
+                bits &= bits - 1u;
+                if ahead(object, p, ray.way).distance < ray.ends {
+                    return true;
+                }
             }
         }
     }
@@ -89,7 +94,7 @@ fn fragment(in: TileVertex) -> @location(0) vec4f {
         // What the surface turns away from brings nothing.
         let weight = select(0.0, ray.weight, dot(n, ray.way) > 0.0);
         sent += weight;
-        if weight > 0.0 && !is_blocked(in.tile * tiles.words, p, ray) {
+        if weight > 0.0 && !is_blocked(first_word(in.tile), p, ray) {
             arrives += weight;
         }
     }

@@ -5,7 +5,7 @@ struct TileUniform {
     tiles: vec2u,
     size: vec2u,
     object_count: u32,
-    // Words of a tile's set of objects.
+    // Words of a tile's set of objects; one more for each 32 of them says which hold any.
     words: u32,
     // How far occlusion reaches beyond an object's sphere, in metres, and to how many of its radii at most.
     reach: f32,
@@ -21,3 +21,13 @@ struct TileUniform {
 }
 
 const TILE_SIDE: u32 = 8u;
+
+// Words that say which of a tile's words hold any objects, behind those.
+fn filled_words() -> u32 {
+    return (tiles.words + 31u) / 32u;
+}
+
+// Where a tile's set begins.
+fn first_word(tile: u32) -> u32 {
+    return tile * (tiles.words + filled_words());
+}

@@ -28,7 +28,7 @@ crate::gpu_struct! {
         pub size: UVec2,
         /// Objects in the frame.
         pub object_count: u32,
-        /// Words of a tile's set of objects.
+        /// Words of a tile's set of objects; one more for each 32 of them says which hold any.
         pub words: u32,
         /// How far occlusion reaches beyond an object's sphere, metres.
         pub reach: f32,
@@ -78,6 +78,7 @@ impl Tiles {
         let tiles = (size + TILE_SIDE - 1) / TILE_SIDE;
         let count = u64::from(tiles.x) * u64::from(tiles.y);
         let words = u64::from(capacity.max(1).div_ceil(32));
+        let words = words + words.div_ceil(32);
         let draw_usage = wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::INDIRECT
             | wgpu::BufferUsages::COPY_DST

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use glam::Vec3;
-use lumivox_field::{Field, Mapping, Ray, Settings, Sphere, Storage};
+use lumivox_field::{Mapping, Ray, Settings, Sphere, Storage};
 use rayon::prelude::*;
 
 use super::models::Model;
@@ -14,19 +14,23 @@ const SIDE: u32 = 33;
 pub(super) const RAYS: u32 = 256;
 
 /// Figure 35: seconds of preprocessing, of occlusion, and RMS error, for points and directions.
-const FIGURE_35: [(u32, u32, [f64; 3]); 12] = [
+const FIGURE_35: [(u32, u32, [f64; 3]); 16] = [
     (82, 32, [1.10, 0.0933, 5.2605]),
     (82, 64, [4.11, 0.0941, 5.2339]),
     (82, 128, [15.34, 0.0949, 5.2091]),
+    (82, 256, [60.80, 0.0959, 5.2041]),
     (290, 32, [3.96, 0.0946, 2.8207]),
     (290, 64, [14.60, 0.0958, 2.4118]),
     (290, 128, [54.42, 0.0981, 2.3153]),
+    (290, 256, [213.75, 0.1016, 2.2914]),
     (1090, 32, [14.06, 0.0987, 1.0653]),
     (1090, 64, [51.23, 0.1022, 1.0318]),
     (1090, 128, [193.25, 0.1079, 1.0294]),
+    (1090, 256, [772.0, 0.1152, 1.02871]),
     (4226, 32, [54.8, 0.1083, 0.6772]),
     (4226, 64, [204.3, 0.1112, 0.6315]),
     (4226, 128, [925.0, 0.1150, 0.6209]),
+    (4226, 256, [3039.7, 0.1219, 0.6185]),
 ];
 /// Figure 36: one bit per direction.
 const FIGURE_36: f64 = 4.4030;
@@ -44,7 +48,7 @@ pub(super) fn directions(normal: Vec3, count: u32, turned: f32) -> impl Iterator
 }
 
 /// Points and normals of the sheets below, behind and beside an object.
-fn corner(sphere: Sphere) -> Vec<(Vec3, Vec3)> {
+pub(super) fn corner(sphere: Sphere) -> Vec<(Vec3, Vec3)> {
     let (radius, low) = (sphere.radius, sphere.center - 1.02 * sphere.radius);
     let mut points = Vec::new();
     for (a, b, normal) in
@@ -58,12 +62,17 @@ fn corner(sphere: Sphere) -> Vec<(Vec3, Vec3)> {
     points
 }
 
-/// Occlusion of each point, and seconds.
-fn occlusion(points: &[(Vec3, Vec3)], met: impl Fn(&Ray) -> bool + Sync) -> (Vec<f64>, f64) {
+/// Occlusion of each point by what a ray meets at a distance, and seconds. `taken` says how much of a ray that takes.
+pub(super) fn occlusion(
+    points: &[(Vec3, Vec3)],
+    met: impl Fn(&Ray) -> Option<f32> + Sync,
+    taken: impl Fn(f32) -> f32 + Sync,
+) -> (Vec<f64>, f64) {
     let start = clock::millis();
     let at = |(n, (p, normal)): (usize, &(Vec3, Vec3))| {
         let rays = directions(*normal, RAYS, n as f32).map(|d| Ray::new(*p, d));
-        rays.filter(|ray| met(ray)).count() as f64 / f64::from(RAYS)
+        let sum: f32 = rays.filter_map(|ray| met(&ray)).map(&taken).sum();
+        f64::from(sum) / f64::from(RAYS)
     };
     let found = points.par_iter().enumerate().map(at).collect();
     (found, (clock::millis() - start) / 1e3)
@@ -80,7 +89,19 @@ struct Truth<'m> {
     model: &'m Model,
     points: Vec<(Vec3, Vec3)>,
     exact: Vec<f64>,
+    /// Of what falls off to nothing at the sphere's radius.
+    exact_near: Vec<f64>,
+    radius: f32,
     seconds: f64,
+}
+
+/// What one model's field finds.
+struct Found {
+    bake_s: f64,
+    look_s: f64,
+    rms: f64,
+    /// With a falloff.
+    rms_near: f64,
 }
 
 impl<'m> Truth<'m> {
@@ -88,20 +109,31 @@ impl<'m> Truth<'m> {
         let small = Settings { points: 82, directions: 32, ..Settings::default() };
         let baker = lumivox_field::Baker::new(model.object.mesh(), small)?;
         let points = corner(baker.sphere());
-        let (exact, seconds) = occlusion(&points, |ray| baker.trace(ray).is_some());
-        Ok(Self { model, points, exact, seconds })
+        let trace = |ray: &Ray| baker.trace(ray);
+        let (exact, seconds) = occlusion(&points, trace, whole);
+        let radius = baker.sphere().radius;
+        let (exact_near, _) = occlusion(&points, trace, |d| near(d, radius));
+        Ok(Self { model, points, exact, exact_near, radius, seconds })
     }
 
-    /// Seconds of the bake and of the look-ups, and the error.
-    fn measure(&self, settings: Settings) -> Result<[f64; 3]> {
-        let (_, field, seconds) = self.model.baked(settings)?;
-        let (found, looked) = self.looked_up(&field);
-        Ok([seconds, looked, rms(&found, &self.exact)])
+    fn measure(&self, settings: Settings) -> Result<Found> {
+        let (_, field, bake_s) = self.model.baked(settings)?;
+        let look = |ray: &Ray| field.nearest(ray);
+        let (found, look_s) = occlusion(&self.points, look, whole);
+        let (found_near, _) = occlusion(&self.points, look, |d| near(d, self.radius));
+        let (rms, rms_near) = (rms(&found, &self.exact), rms(&found_near, &self.exact_near));
+        Ok(Found { bake_s, look_s, rms, rms_near })
     }
+}
 
-    fn looked_up(&self, field: &Field) -> (Vec<f64>, f64) {
-        occlusion(&self.points, |ray| field.nearest(ray).is_some())
-    }
+/// Any hit takes all of a ray.
+pub(super) fn whole(_: f32) -> f32 {
+    1.0
+}
+
+/// 1 - V of equation 3 with an exponent of one, which takes nothing at some reach.
+fn near(distance: f32, reach: f32) -> f32 {
+    (1.0 - distance / reach).max(0.0)
 }
 
 fn row(
@@ -126,7 +158,7 @@ pub(super) fn errors(model: &Model, quick: bool, report: &mut Report) -> Result<
     ));
     let truth = Truth::new(model)?;
     let (points, sides): (&[u32], &[u32]) =
-        if quick { (&[82, 290, 1090], &[32, 64]) } else { (&[82, 290, 1090, 4226], &[32, 64, 128]) };
+        if quick { (&[82, 290, 1090], &[32, 64]) } else { (&[82, 290, 1090, 4226], &[32, 64, 128, 256]) };
     let mut lines = Vec::new();
     for &points in points {
         let mut line = vec![points.to_string()];
@@ -134,6 +166,7 @@ pub(super) fn errors(model: &Model, quick: bool, report: &mut Report) -> Result<
             let found = truth.measure(Settings { points, directions, ..Settings::default() })?;
             let paper = FIGURE_35.iter().find(|(p, d, _)| (*p, *d) == (points, directions)).map(|(.., v)| v);
             let beside = paper.map_or(String::new(), |[a, b, c]| format!(" ({a} / {b} / {c})"));
+            let found = [found.bake_s, found.look_s, found.rms];
             line.push(format!("{:.2} / {:.3} / {:.3}{beside}", found[0], found[1], found[2]));
             let case = format!("{points} points, {directions} x {directions}");
             for (n, (metric, unit)) in
@@ -151,26 +184,38 @@ pub(super) fn errors(model: &Model, quick: bool, report: &mut Report) -> Result<
     let points = if quick { 1090 } else { 4226 };
     let base = Settings { points, ..Settings::default() };
     let mut lines = Vec::new();
-    for mapping in Mapping::ALL {
-        let found = truth.measure(Settings { mapping, ..base })?;
-        lines.push(vec![format!("{}, 8 bits", mapping.name()), format!("{:.3}", found[2]), String::new()]);
-        report.push(row("Figure 34", mapping.name().to_owned(), "RMS", found[2], "grey levels", None));
-    }
-    for storage in [Storage::Float, Storage::Bit] {
-        let settings = Settings { storage, ..base };
-        let found = truth.measure(settings)?;
-        let paper = (storage == Storage::Bit).then_some(FIGURE_36);
-        let plural = if storage == Storage::Bit { "" } else { "s" };
-        let name = format!("concentric, {} bit{plural}", storage.bits());
+    let mut tell = |figure, name: String, settings: Settings, paper: Option<f64>| -> Result<()> {
+        let Found { bake_s, look_s, rms, rms_near } = truth.measure(settings)?;
+        let mib = settings.bytes() as f64 / f64::from(1 << 20);
         lines.push(vec![
             name.clone(),
-            format!("{:.3}", found[2]),
-            paper.map_or(String::new(), |p| p.to_string()),
+            format!("{mib:.2}"),
+            format!(
+                "{bake_s:.2} / {look_s:.3} / {rms:.3}{}",
+                paper.map_or(String::new(), |p| format!(" ({p})"))
+            ),
+            format!("{rms_near:.3}"),
         ]);
-        report.push(row("Figures 33 and 36", name, "RMS", found[2], "grey levels", paper));
+        report.push(row(figure, name.clone(), "bake", bake_s, "s", None));
+        report.push(row(figure, name.clone(), "look-ups", look_s, "s", None));
+        report.push(row(figure, name.clone(), "RMS", rms, "grey levels", paper));
+        report.push(row(figure, name, "RMS with a falloff", rms_near, "grey levels", None));
+        Ok(())
+    };
+    for mapping in Mapping::ALL {
+        let name = format!("{}, 8 bits", mapping.name());
+        tell("Figure 34", name, Settings { mapping, ..base }, None)?;
     }
-    report.say(&format!("Mappings and bits, {points} points of 64 x 64 directions. Verdicts of hit or miss are all that occlusion without a falloff asks for, so that one bit has the error of eight."));
-    report.table(&["kept as".to_owned(), "RMS".to_owned(), "papers".to_owned()], &lines);
+    tell("Figure 33", "concentric, 32 bits".to_owned(), Settings { storage: Storage::Float, ..base }, None)?;
+    let bit = Settings { storage: Storage::Bit, ..base };
+    tell("Figure 36", "concentric, 1 bit".to_owned(), bit, Some(FIGURE_36))?;
+    report.say(&format!(
+        "Mappings and bits, {points} points of 64 x 64 directions: the same numbers, and the error with a falloff (equation 3) that takes nothing of a \
+         ray that meets the object a radius away. Verdicts of hit or miss are all that occlusion without a falloff asks for, so that \
+         one bit has the error of eight there; with one, its mean depths count."
+    ));
+    let header = ["kept as", "MiB", "bake s / look-ups s / RMS", "RMS with a falloff"].map(str::to_owned);
+    report.table(&header, &lines);
     Ok(())
 }
 
@@ -186,7 +231,7 @@ pub(super) fn table(models: &[Model], quick: bool, report: &mut Report) -> Resul
     for model in models {
         let truth = Truth::new(model)?;
         let points = if quick { 1090 } else { 4226 };
-        let [bake, look, error] =
+        let Found { bake_s: bake, look_s: look, rms: error, .. } =
             truth.measure(Settings { points, directions: 32, ..Settings::default() })?;
         let paper = (model.name == "Bunny").then_some(TABLE_1_BUNNY);
         let cell = |value: f64, n: usize| match paper {

@@ -8,13 +8,13 @@ use lumivox::visibility::{
 };
 use lumivox_field::Settings;
 
-use super::floor::{Floor, row, side};
 use super::models::Model;
+use super::surface::{Surface, row, side};
 use crate::bench::report::{Report, ms};
 use crate::bench::timing::Timer;
 
 /// A few objects of some size, spread over the floor's picture.
-fn spread(model_center: Vec3, radius: f32, floor: &Floor, count: u32, scale: f32) -> Vec<Placement> {
+fn spread(model_center: Vec3, radius: f32, floor: &Surface, count: u32, scale: f32) -> Vec<Placement> {
     let size = floor.size;
     let per_side = (count as f32).sqrt().ceil() as u32;
     let cell = size / per_side.max(1);
@@ -48,7 +48,7 @@ pub(super) fn culling(timer: &Timer<'_>, model: &Model, quick: bool, report: &mu
     let sphere = field.sphere();
     let Some(packed) = field.packed() else { return Ok(()) };
     let fields = Fields::new(gpu, &[&packed])?;
-    let floor = Floor::new(gpu, sphere, side)?;
+    let floor = Surface::floor(gpu, sphere, side)?;
     let receiver = floor.receiver();
     let mut objects = Objects::new(gpu, 256)?;
     // What covers less than 1 % of a hemisphere is left out.

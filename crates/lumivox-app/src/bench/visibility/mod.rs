@@ -4,13 +4,15 @@ mod atrium;
 mod corner;
 mod culling;
 mod elongated;
-mod floor;
 mod lobe;
 mod models;
 mod occlusion;
+mod own;
 mod rates;
 mod reflections;
+mod several;
 mod shadows;
+mod surface;
 mod traced;
 mod tracer;
 
@@ -32,12 +34,14 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     }
     corner::errors(first, quick, report)?;
     corner::table(&models, quick, report)?;
+    several::several(&models, quick, report)?;
     rates::rates(timer, &models, quick, report)?;
     rates::triangles(timer, quick, report)?;
     occlusion::occlusion(timer, first, quick, report)?;
+    own::own(timer, &models, quick, report)?;
     atrium::atrium(timer, quick, report)?;
     culling::culling(timer, first, quick, report)?;
-    shadows::shadows(timer, first, quick, report)?;
+    shadows::shadows(timer, &models, quick, report)?;
     reflections::reflections(timer, &models, quick, report)?;
     traced::traced(&models, quick, report)?;
     elongated::elongated(timer, quick, report)

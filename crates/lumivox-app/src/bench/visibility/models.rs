@@ -60,6 +60,21 @@ pub(super) fn models(quick: bool) -> Result<Vec<Model>> {
     Ok(models)
 }
 
+/// One shape at growing detail: the dragon's scans, or where there are none, a knot.
+pub(super) fn detailed(quick: bool) -> Result<Vec<Model>> {
+    let files = ["dragon_res4.ply", "dragon_res3.ply", "dragon_res2.ply", "dragon.ply"];
+    let paths: Vec<_> =
+        assets().iter().flat_map(|folder| files.map(|f| folder.join("meshes").join(f))).collect();
+    if paths.is_empty() || !paths.iter().all(|path| path.is_file()) {
+        return (0..if quick { 2 } else { 5 }).map(|detail| body("knot", detail)).collect();
+    }
+    let chosen = &paths[..if quick { 2 } else { 4 }];
+    chosen
+        .iter()
+        .map(|path| Ok(Model::of("Dragon", &lumivox_scene::load(&path.to_string_lossy())?)))
+        .collect()
+}
+
 /// A body of the built-in scene `falling`.
 pub(super) fn body(name: &str, detail: u32) -> Result<Model> {
     let scene = builtin::falling(detail);

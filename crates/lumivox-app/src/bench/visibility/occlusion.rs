@@ -5,8 +5,8 @@ use lumivox::visibility::OcclusionSettings;
 use lumivox_field::Settings;
 
 use super::corner::rms;
-use super::floor::{Floor, Placed, TRUE_RAYS, baker_of, row, side, sizes, sky_rays};
 use super::models::Model;
+use super::surface::{Placed, Surface, baker_of, row, side, sizes, sky_rays};
 use crate::bench::plot::{Plot, Series};
 use crate::bench::report::{Report, ms};
 use crate::bench::timing::Timer;
@@ -26,17 +26,17 @@ pub(super) fn occlusion(timer: &Timer<'_>, model: &Model, quick: bool, report: &
     report.head("Occlusion on the device (Figures 37 and 38)");
     let side = side(quick);
     let rays = if quick { 16 } else { 256 };
+    let true_rays = if quick { 1024 } else { 4096 };
     report.say(&format!(
-        "{} over a floor that fills a picture of {side} x {side} pixels; {rays} rays per pixel, denoised: milliseconds / RMS error in grey levels of \
-         255 beside {TRUE_RAYS} true rays, of which the look-ups take other directions. In parentheses the papers', whose floor filled 75 % of 512 x 512.",
+        "{} over a floor that fills a picture of {side} x {side} pixels; {rays} rays per pixel: milliseconds / RMS error in grey levels of 255 of what comes          out / of the same denoised, beside {true_rays} true rays. In parentheses the papers', whose floor filled 75 % of 512 x 512,          beside a reference of 256 rays.",
         model.title()
     ));
     let baker = baker_of(model)?;
-    let floor = Floor::new(timer.gpu, baker.sphere(), side)?;
-    let truth = floor.truth(&baker, sky_rays);
+    let floor = Surface::floor(timer.gpu, baker.sphere(), side)?;
+    let truth = floor.truth(&baker, sky_rays(true_rays));
     let base = OcclusionSettings { rays, denoise: false, ..OcclusionSettings::default() };
     let mut lines = Vec::new();
-    let mut last = None;
+    let mut kept = Vec::new();
     for &(points, directions) in sizes(quick) {
         let (_, field, _) = model.baked(Settings { points, directions, ..Settings::default() })?;
         let placed = Placed::new(timer.gpu, &[&field])?;
@@ -44,58 +44,54 @@ pub(super) fn occlusion(timer: &Timer<'_>, model: &Model, quick: bool, report: &
         let paper = FIGURE_37.iter().find(|(p, d, _)| (*p, *d) == (points, directions)).map(|(.., v)| *v);
         let mut line = vec![case.clone()];
         for (name, blended) in [("nearest map", false), ("three maps", true)] {
-            let settings = OcclusionSettings { blended, denoise: true, ..base };
+            let settings = OcclusionSettings { blended, ..base };
             let (time, found) = placed.occlusion(timer, &floor, settings)?;
-            let error = rms(&found, &truth);
-            let beside = paper.filter(|_| !blended).map_or(String::new(), |[a, b]| format!(" ({a} / {b})"));
-            line.push(format!("{} / {error:.3}{beside}", ms(time.ms)));
+            let (_, smooth) =
+                placed.occlusion(timer, &floor, OcclusionSettings { denoise: true, ..settings })?;
+            let (error, smooth) = (rms(&found, &truth), rms(&smooth, &truth));
             let paper = paper.filter(|_| !blended);
-            report.push(row(
-                "Figure 37",
-                format!("{case}, {name}"),
-                "time",
-                time.ms,
-                "ms",
-                paper.map(|p| p[0]),
-            ));
-            report.push(row(
-                "Figure 37",
-                format!("{case}, {name}"),
-                "RMS",
-                error,
-                "grey levels",
-                paper.map(|p| p[1]),
-            ));
+            let beside = paper.map_or(String::new(), |[a, b]| format!(" ({a} / {b})"));
+            line.push(format!("{} / {error:.3} / {smooth:.3}{beside}", ms(time.ms)));
+            let case = format!("{case}, {name}");
+            report.push(row("Figure 37", case.clone(), "time", time.ms, "ms", paper.map(|p| p[0])));
+            report.push(row("Figure 37", case.clone(), "RMS", error, "grey levels", paper.map(|p| p[1])));
+            report.push(row("Figure 37", case, "RMS, denoised", smooth, "grey levels", None));
         }
         lines.push(line);
-        last = Some(placed);
+        kept.push((case, placed));
     }
     report.table(&["field", "nearest map", "three maps"].map(str::to_owned), &lines);
-    let Some(placed) = last else { return Ok(()) };
+    // The smallest, the usual and the largest.
+    let shown = if quick { vec![0, 1] } else { vec![0, 4, 5] };
     let counts: &[u32] = if quick { &[4, 16] } else { &[1, 4, 16, 64, 121, 256] };
-    let mut series = ["milliseconds", "RMS", "RMS, denoised"]
-        .map(|name| Series { name: name.to_owned(), points: Vec::new() });
-    let mut lines = Vec::new();
-    for &rays in counts {
-        let (time, found) = placed.occlusion(timer, &floor, OcclusionSettings { rays, ..base })?;
-        let (_, smooth) =
-            placed.occlusion(timer, &floor, OcclusionSettings { rays, denoise: true, ..base })?;
-        let values = [time.ms, rms(&found, &truth), rms(&smooth, &truth)];
-        for ((series, value), metric) in series.iter_mut().zip(values).zip(["time", "RMS", "RMS, denoised"]) {
-            series.points.push((f64::from(rays), value));
-            let unit = if metric == "time" { "ms" } else { "grey levels" };
-            report.push(row("Figure 38", format!("{rays} rays"), metric, value, unit, None));
+    report
+        .say("The same against rays per pixel (Figure 38), nearest map: milliseconds / RMS / RMS denoised.");
+    let mut lines: Vec<Vec<String>> = counts.iter().map(|rays| vec![rays.to_string()]).collect();
+    let (mut times, mut errors) = (Vec::new(), Vec::new());
+    let mut header = vec!["rays per pixel".to_owned()];
+    for (case, placed) in shown.into_iter().filter_map(|n| kept.get(n)) {
+        header.push(case.clone());
+        let mut curves = [Vec::new(), Vec::new()];
+        for (&rays, line) in counts.iter().zip(&mut lines) {
+            let settings = OcclusionSettings { rays, ..base };
+            let (time, found) = placed.occlusion(timer, &floor, settings)?;
+            let (_, smooth) =
+                placed.occlusion(timer, &floor, OcclusionSettings { denoise: true, ..settings })?;
+            let (error, smooth) = (rms(&found, &truth), rms(&smooth, &truth));
+            line.push(format!("{} / {error:.3} / {smooth:.3}", ms(time.ms)));
+            let case = format!("{case}, {rays} rays");
+            report.push(row("Figure 38", case.clone(), "time", time.ms, "ms", None));
+            report.push(row("Figure 38", case.clone(), "RMS", error, "grey levels", None));
+            report.push(row("Figure 38", case, "RMS, denoised", smooth, "grey levels", None));
+            curves[0].push((f64::from(rays), time.ms));
+            curves[1].push((f64::from(rays), error));
         }
-        lines.push(vec![
-            rays.to_string(),
-            ms(values[0]),
-            format!("{:.3}", values[1]),
-            format!("{:.3}", values[2]),
-        ]);
+        let [time, error] = curves;
+        times.push(Series { name: case.clone(), points: time });
+        errors.push(Series { name: case.clone(), points: error });
     }
-    report.table(&["rays per pixel", "ms", "RMS", "RMS, denoised"].map(str::to_owned), &lines);
-    report.plot(
-        "rays",
-        &Plot { title: model.title(), x: "rays per pixel", y: "ms, grey levels", series: series.to_vec() },
-    )
+    report.table(&header, &lines);
+    let plot = |y, series| Plot { title: model.title(), x: "rays per pixel", y, series };
+    report.plot("rays-time", &plot("ms", times))?;
+    report.plot("rays-error", &plot("grey levels", errors))
 }

@@ -10,9 +10,9 @@ use lumivox_field::{Baker, Ray, Settings};
 use rayon::prelude::*;
 
 use super::corner::rms;
-use super::floor::{Floor, Placed, TRUE_RAYS, baker_of, row, side};
 use super::lobe;
 use super::models::Model;
+use super::surface::{Placed, Surface, TRUE_RAYS, baker_of, row, side};
 use crate::bench::report::{Report, ms};
 use crate::bench::timing::Timer;
 use crate::clock;
@@ -53,7 +53,7 @@ fn seen(baker: &Baker, light: &HitLight, ray: &Ray) -> f32 {
 }
 
 /// What true rays find that a pixel of the floor mirrors.
-fn mirrored(baker: &Baker, light: &HitLight, floor: &Floor, n: usize, rays: u32, roughness: f32) -> f64 {
+fn mirrored(baker: &Baker, light: &HitLight, floor: &Surface, n: usize, rays: u32, roughness: f32) -> f64 {
     let p = floor.points[n];
     let way = (p - floor.eye).normalize_or(Vec3::NEG_Y);
     let (mut sum, mut sent) = (0.0, 0.0);
@@ -69,7 +69,7 @@ fn mirrored(baker: &Baker, light: &HitLight, floor: &Floor, n: usize, rays: u32,
 fn looked_up(
     timer: &Timer<'_>,
     placed: &Placed,
-    floor: &Floor,
+    floor: &Surface,
     light: &HitLight,
     denoise: bool,
 ) -> Result<(f64, Vec<f64>)> {
@@ -115,7 +115,7 @@ pub(super) fn reflections(
         let baker = baker_of(model)?;
         let sphere = baker.sphere();
         let light = light(sphere.center, sphere.radius);
-        let floor = Floor::new(timer.gpu, sphere, side)?;
+        let floor = Surface::floor(timer.gpu, sphere, side)?;
         let chosen = floor.chosen();
         let true_ones = |rays: u32, roughness: f32| -> Vec<f64> {
             chosen.par_iter().map(|&n| mirrored(&baker, &light, &floor, n, rays, roughness)).collect()
@@ -171,7 +171,7 @@ pub(super) fn reflections(
                 report.push(row(figure, case.clone(), metric, value, unit, paper));
             }
             if n + 1 == sizes.len() {
-                let small = Floor::new(timer.gpu, sphere, SHOWN)?;
+                let small = Surface::floor(timer.gpu, sphere, SHOWN)?;
                 let all: Vec<usize> = (0..small.points.len()).collect();
                 let traced = |rays: u32, roughness: f32| -> Vec<f64> {
                     let of = |&n: &usize| mirrored(&baker, &light, &small, n, rays, roughness);

@@ -1,65 +1,165 @@
-//! Soft shadows on a floor, on the device (Figures 42 to 45).
+//! Soft shadows on a floor, on the device (Figures 42 to 44).
 
-use anyhow::Result;
+use std::f32::consts::TAU;
+
+use anyhow::{Context, Result};
 use glam::Vec3;
 use lumivox::visibility::ShadowLight;
-use lumivox_field::{Ray, Settings, Sphere};
+use lumivox_field::{Baker, Ray, Settings, Sphere};
 
 use super::corner::rms;
-use super::floor::{Floor, Placed, TRUE_RAYS, baker_of, row, side, sizes};
+use super::lobe;
 use super::models::Model;
+use super::surface::{Placed, Surface, TRUE_RAYS, baker_of, row, side};
 use crate::bench::report::{Report, ms};
 use crate::bench::timing::Timer;
+use crate::clock;
 
-/// Figure 42: three lights, 20 rays each.
-const FIGURE_42: [(u32, u32, [f64; 2]); 8] = [
+/// The papers' rays per pixel and light.
+const RAYS: u32 = 20;
+
+/// Figure 42: three lights.
+const FIGURE_42: [(u32, u32, [f64; 2]); 9] = [
     (1090, 32, [347.0, 6.00]),
     (1090, 64, [347.7, 4.85]),
     (1090, 128, [348.1, 4.66]),
+    (1090, 256, [348.5, 4.59]),
     (4226, 32, [348.0, 5.95]),
     (4226, 64, [348.5, 4.82]),
     (4226, 128, [348.7, 4.44]),
     (16642, 32, [348.5, 5.94]),
     (16642, 64, [348.6, 4.80]),
 ];
+/// Figure 43: milliseconds of its reference.
+const FIGURE_43: f64 = 913_210.0;
+/// Figure 44: a horse and one light.
+const FIGURE_44: [(u32, u32, [f64; 2]); 4] = [
+    (1090, 64, [321.6, 4.701]),
+    (1090, 128, [321.7, 4.212]),
+    (4226, 64, [321.8, 4.364]),
+    (4226, 128, [322.7, 3.815]),
+];
 
-/// Figures 42 to 44.
-pub(super) fn shadows(timer: &Timer<'_>, model: &Model, quick: bool, report: &mut Report) -> Result<()> {
+/// A figure: its fields with the papers' numbers, and its lights.
+struct Figure<'m> {
+    name: &'static str,
+    model: &'m Model,
+    lights: &'m [ShadowLight],
+    fields: Vec<(u32, u32, Option<[f64; 2]>)>,
+}
+
+/// Figures 42 to 44, and lights of other shapes.
+pub(super) fn shadows(timer: &Timer<'_>, models: &[Model], quick: bool, report: &mut Report) -> Result<()> {
     report.head("Soft shadows on the device (Figures 42 to 44)");
+    let model = models.first().context("a model")?;
     let side = side(quick);
     report.say(&format!(
-        "{} under a ball of light of a fifth of its radius, 20 rays per pixel, denoised, {side} x {side} pixels: milliseconds / RMS error in grey \
-         levels of 255 beside {TRUE_RAYS} true rays. In parentheses the papers' bunny, three lights, with primary rays that take most of \
-         the time.",
-        model.title()
+        "A floor of {side} x {side} pixels below a model and lamps of a fifth of its radius, {RAYS} rays per pixel and lamp, denoised: milliseconds / RMS \
+         error in grey levels of 255 beside {TRUE_RAYS} true rays to each lamp. In parentheses the papers', which show the models' own \
+         surfaces close up, with primary rays that take most of the time."
     ));
-    let baker = baker_of(model)?;
-    let Sphere { center, radius } = baker.sphere();
-    let floor = Floor::new(timer.gpu, baker.sphere(), side)?;
-    let (position, size) = (center + radius * Vec3::new(1.5, 4.0, 1.0), 0.2 * radius);
-    let to_light = |n: usize, p: Vec3| {
-        let way = position - p;
-        let (x, y) = way.normalize_or(Vec3::Y).any_orthonormal_pair();
-        (0..TRUE_RAYS).map(move |i| {
-            let out = size * ((i as f32 + 0.5) / TRUE_RAYS as f32).sqrt();
-            let (sin, cos) = (2.399_963 * i as f32 + n as f32).sin_cos();
-            (Ray::new(p, way + out * (cos * x + sin * y)), 1.0)
-        })
-    };
-    let truth = floor.truth(&baker, to_light);
-    let light = ShadowLight::Ball { position, radius: size };
-    let mut lines = Vec::new();
-    for &(points, directions) in sizes(quick) {
-        let (_, field, _) = model.baked(Settings { points, directions, ..Settings::default() })?;
-        let (time, found) = Placed::new(timer.gpu, &[&field])?.shadow(timer, &floor, light, 20)?;
-        let error = rms(&found, &truth);
-        let case = format!("{points} x {directions} x {directions}");
-        let paper = FIGURE_42.iter().find(|(p, d, _)| (*p, *d) == (points, directions)).map(|(.., v)| *v);
-        let beside = paper.map_or(String::new(), |[a, b]| format!(" ({a} / {b})"));
-        lines.push(vec![case.clone(), format!("{} / {error:.3}{beside}", ms(time.ms))]);
-        report.push(row("Figure 42", case.clone(), "time", time.ms, "ms", paper.map(|p| p[0])));
-        report.push(row("Figure 42", case, "RMS", error, "grey levels", paper.map(|p| p[1])));
+    let few = [(290, 32, None), (1090, 64, None)];
+    let lights = |model: &Model| -> Result<[ShadowLight; 3]> { Ok(lamps(baker_of(model)?.sphere())) };
+    let all = lights(model)?;
+    let theirs =
+        |figure: &[(u32, u32, [f64; 2])]| figure.iter().map(|(p, d, v)| (*p, *d, Some(*v))).collect();
+    let fields = if quick { few.to_vec() } else { theirs(&FIGURE_42) };
+    figure(timer, side, report, &Figure { name: "Figure 42", model, lights: &all, fields })?;
+    if let Some(horse) = models.iter().find(|m| m.name == "Horse") {
+        let one = &lights(horse)?[..1];
+        figure(
+            timer,
+            side,
+            report,
+            &Figure { name: "Figure 44", model: horse, lights: one, fields: theirs(&FIGURE_44) },
+        )?;
     }
-    report.table(&["field", "ms / RMS"].map(str::to_owned), &lines);
+    report.say("Lamps of other shapes: a rectangle, and a sun of 3 degrees. Spot lights are balls whose cone the host's light has.");
+    let Sphere { center, radius } = baker_of(model)?.sphere();
+    let rect = ShadowLight::Rect {
+        origin: center + radius * Vec3::new(0.7, 4.0, 0.4),
+        u: 0.8 * radius * Vec3::X,
+        v: 0.4 * radius * Vec3::Z,
+    };
+    let sun = ShadowLight::Sun { direction: Vec3::new(-0.4, -1.0, -0.3), angle: 1.5f32.to_radians() };
+    for (name, light) in [("rectangle", rect), ("sun", sun)] {
+        let size = if quick { (1090, 64) } else { (4226, 64) };
+        let fields = vec![(size.0, size.1, None)];
+        figure(timer, side, report, &Figure { name, model, lights: &[light], fields })?;
+    }
     Ok(())
+}
+
+/// Three lamps above an object.
+fn lamps(Sphere { center, radius }: Sphere) -> [ShadowLight; 3] {
+    let at = |x: f32, y: f32, z: f32| ShadowLight::Ball {
+        position: center + radius * Vec3::new(x, y, z),
+        radius: 0.2 * radius,
+    };
+    [at(1.5, 4.0, 1.0), at(-2.0, 3.5, 0.5), at(0.3, 4.5, -2.0)]
+}
+
+fn figure(timer: &Timer<'_>, side: u32, report: &mut Report, figure: &Figure<'_>) -> Result<()> {
+    let Figure { name, model, lights, fields } = figure;
+    let baker = baker_of(model)?;
+    let surface = Surface::floor(timer.gpu, baker.sphere(), side)?;
+    let begun = clock::millis();
+    let truth = truth(&baker, &surface, lights);
+    let shown = surface.points.len() as f64 / truth.len().max(1) as f64;
+    let true_ms = (clock::millis() - begun) * shown * 256.0 / f64::from(TRUE_RAYS);
+    let mut lines = Vec::new();
+    for (points, directions, paper) in fields {
+        let settings = Settings { points: *points, directions: *directions, ..Settings::default() };
+        let (_, field, _) = model.baked(settings)?;
+        let (time, found) = Placed::new(timer.gpu, &[&field])?.shadow(timer, &surface, lights, RAYS)?;
+        let error = rms(&found, &truth);
+        let case = format!("{}, {points} x {directions} x {directions}", model.name);
+        let beside = paper.map_or(String::new(), |[a, b]| format!(" ({a} / {b})"));
+        let mib = field.bytes() as f64 / f64::from(1 << 20);
+        lines.push(vec![case.clone(), format!("{mib:.2}"), format!("{} / {error:.3}{beside}", ms(time.ms))]);
+        report.push(row(name, case.clone(), "time", time.ms, "ms", paper.map(|p| p[0])));
+        report.push(row(name, case, "RMS", error, "grey levels", paper.map(|p| p[1])));
+    }
+    let paper = (*name == "Figure 42" && model.name == "Bunny").then_some(FIGURE_43);
+    let beside = paper.map_or(String::new(), |paper| format!(" ({paper})"));
+    lines.push(vec!["256 true rays, CPU".to_owned(), String::new(), format!("{}{beside}", ms(true_ms))]);
+    report.push(row(name, format!("{}, 256 true rays", model.name), "time", true_ms, "ms", paper));
+    let count = lights.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let header = [format!("{name}: {count} lamp{plural}"), "MiB".to_owned(), "ms / RMS".to_owned()];
+    report.table(&header, &lines);
+    Ok(())
+}
+
+/// What true rays find of all lights, as the device weights them.
+fn truth(baker: &Baker, surface: &Surface, lights: &[ShadowLight]) -> Vec<f64> {
+    let mut mean = vec![0.0; surface.chosen().len()];
+    for light in lights {
+        let found = surface.truth(baker, |n, p, normal| {
+            lobe::square(TRUE_RAYS, n as u32).map(move |unit| light_ray(light, p, normal, unit))
+        });
+        mean.iter_mut().zip(found).for_each(|(mean, found)| *mean += found / lights.len() as f64);
+    }
+    mean
+}
+
+/// A ray to a point of a light, where it ends, and what it counts.
+fn light_ray(light: &ShadowLight, p: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> (Ray, f32, f32) {
+    let disk = |toward: Vec3, radius: f32| {
+        let (x, y) = toward.normalize_or(Vec3::Y).any_orthonormal_pair();
+        let (sin, cos) = (TAU * t).sin_cos();
+        toward + radius * s.sqrt() * (cos * x + sin * y)
+    };
+    let (way, ends, weight) = match *light {
+        ShadowLight::Ball { position, radius } => (disk(position - p, radius), 1.0, 1.0),
+        ShadowLight::Sun { direction, angle } => {
+            (disk(-direction.normalize_or(Vec3::NEG_Y), angle.tan()), f32::INFINITY, 1.0)
+        }
+        ShadowLight::Rect { origin, u, v } => {
+            let way = origin + s * u + t * v - p;
+            let facing = u.cross(v).normalize_or(Vec3::Y).dot(-way).max(0.0) * normal.dot(way).max(0.0);
+            (way, 1.0, facing / way.length_squared().powi(2))
+        }
+    };
+    (Ray::new(p, way), ends, if normal.dot(way) > 0.0 { weight } else { 0.0 })
 }

@@ -6,8 +6,8 @@ use image::{Rgb, RgbImage};
 use lumivox_field::{Baker, Field, Ray, Settings};
 use rayon::prelude::*;
 
-use super::floor::row;
 use super::models::Model;
+use super::surface::row;
 use super::tracer::{Body, Counts, Lamp, Met, Secondary, World};
 use crate::bench::report::{Report, ms};
 use crate::clock;

@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("visibility: two balls take their closed forms, and subtraction takes more", two_balls),
     ("visibility: the falloff takes less from afar", falloff),
     ("visibility: pixels that no object reaches cost nothing", culling),
+    ("visibility: a few of thousands of objects count as if they were alone", crowd),
     ("visibility: frames make nothing new, and the same picture every time", contract),
 ];
 
@@ -207,6 +208,24 @@ fn culling(labs: &Labs) -> Result<(), Failed> {
     assert!(drawn == 0 && factors.iter().all(|f| *f == 1.0));
     let short = OcclusionSettings { reach: 0.02, ..fine };
     assert_eq!(scene.factors(gpu, &shot, short)?.1, 0);
+    Ok(())
+}
+
+fn crowd(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let shot = floor(gpu)?;
+    let near =
+        [(Vec3::new(-1.6, 1.1, 0.0), 0.9), (Vec3::new(1.7, 1.3, 0.3), 0.8), (Vec3::new(0.2, 0.7, 1.4), 0.5)];
+    // Too far away for any tile, with the three among them.
+    let mut all: Vec<_> = (0..3100).map(|n| (Vec3::new(1000.0, n as f32, 0.0), 0.01)).collect();
+    for (number, ball) in [7, 1500, 3099].into_iter().zip(near) {
+        all[number] = ball;
+    }
+    let settings = OcclusionSettings::default();
+    let alone = Scene::new(gpu, &near)?.factors(gpu, &shot, settings)?;
+    let among = Scene::new(gpu, &all)?.factors(gpu, &shot, settings)?;
+    assert!(alone == among);
+    assert!(alone.0.iter().any(|factor| *factor < 0.5));
     Ok(())
 }
 

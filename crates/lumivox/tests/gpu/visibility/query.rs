@@ -3,7 +3,9 @@
 use libtest_mimic::Failed;
 use lumivox::glam::{Affine3A, Mat4, Vec3};
 use lumivox::gpu::{Buffer, Gpu, GpuError, read_buffer};
-use lumivox::visibility::{Fields, HIT_BYTES, Objects, Placement, QueryHit, QueryRay, RAY_BYTES, RayQuery};
+use lumivox::visibility::{
+    Fields, HIT_BYTES, MAX_OBJECTS, Objects, Placement, QueryHit, QueryRay, RAY_BYTES, RayQuery,
+};
 use lumivox_field::{Field, Interpolation, Mapping, Ray, Settings, Storage};
 
 use super::objects::{Soup, ball, ray, rotation};
@@ -193,7 +195,7 @@ fn refused(labs: &Labs) -> Result<(), Failed> {
     assert!(objects.update(gpu, &fields, &[Placement::new(2, Mat4::IDENTITY, 0)]).is_err());
     let twice = [Placement::new(0, Mat4::IDENTITY, 0); 2];
     assert!(objects.update(gpu, &fields, &twice).is_err());
-    assert!(Objects::new(gpu, 2000).is_err());
+    assert!(Objects::new(gpu, MAX_OBJECTS + 1).is_err());
     gpu.check()?;
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A floor under an object, as the device sees it and as true rays do.
+//! What a camera sees of a floor or an object, as the device takes it and as true rays do.
 
 use anyhow::{Context, Result};
 use glam::{Mat4, UVec2, Vec3, Vec4};
@@ -20,48 +20,80 @@ use super::models::Model;
 use crate::bench::report::Row;
 use crate::bench::timing::{Time, Timer};
 
-/// Every so many pixels along x and y are held against true rays, of which there are so many.
-const STRIDE: u32 = 4;
-pub(super) const TRUE_RAYS: u32 = 256;
+/// Every so many pixels along x and y are held against true rays. Pixels four apart have the same pattern of rays, so this shares
+/// no factor with four: all sixteen are seen.
+const STRIDE: u32 = 5;
+/// True rays of each of them, where nothing else is said.
+pub(super) const TRUE_RAYS: u32 = 1024;
 
-/// A floor under a sphere, as a G-buffer.
-pub(super) struct Floor {
+/// What a camera sees of a floor under a sphere, or of an object itself, as a G-buffer.
+pub(super) struct Surface {
     pub(super) size: UVec2,
     depth: Texture,
     normal: Texture,
     uniform: Uniform<ViewUniform>,
     pub(super) points: Vec<Vec3>,
+    /// Zero where nothing is seen.
+    normals: Vec<Vec3>,
     pub(super) eye: Vec3,
 }
 
-impl Floor {
-    pub(super) fn new(gpu: &Gpu, sphere: Sphere, side: u32) -> Result<Self> {
-        let size = UVec2::splat(side);
+impl Surface {
+    /// A floor just below a sphere, that fills the picture.
+    pub(super) fn floor(gpu: &Gpu, sphere: Sphere, side: u32) -> Result<Self> {
         let (center, radius) = (sphere.center, sphere.radius);
         let height = center.y - 1.02 * radius;
         let target = Vec3::new(center.x, height, center.z);
         let eye = target + radius * Vec3::new(0.0, 4.5, 3.0);
-        let view = View::perspective(eye, target, Vec3::Y, 0.8, 1.0, 0.1 * radius, 20.0 * radius)
-            .with_reversed_depth();
+        let view = View::perspective(eye, target, Vec3::Y, 0.8, 1.0, 0.1 * radius, 20.0 * radius);
+        Self::seen(gpu, view.with_reversed_depth(), (eye, side), |way| {
+            Some((eye + (height - eye.y) / way.y * way, Vec3::Y))
+        })
+    }
+
+    /// An object by itself, by true rays.
+    pub(super) fn own(gpu: &Gpu, baker: &Baker, side: u32) -> Result<Self> {
+        let Sphere { center, radius } = baker.sphere();
+        let eye = center + radius * Vec3::new(0.9, 0.8, 2.6);
+        let view = View::perspective(eye, center, Vec3::Y, 0.75, 1.0, 0.1 * radius, 20.0 * radius);
+        Self::seen(gpu, view.with_reversed_depth(), (eye, side), |way| {
+            let ray = Ray::new(eye, way);
+            baker.trace_with_normal(&ray).map(|(distance, normal)| (ray.at(distance), normal))
+        })
+    }
+
+    /// What is `met` along the way of each pixel.
+    fn seen(
+        gpu: &Gpu,
+        view: View,
+        (eye, side): (Vec3, u32),
+        met: impl Fn(Vec3) -> Option<(Vec3, Vec3)>,
+    ) -> Result<Self> {
         let world_from_clip = view.world_from_clip();
-        let point = |n: u32| {
+        let at = |n: u32| {
             let (x, y) = ((n % side) as f32 + 0.5, (n / side) as f32 + 0.5);
             let ndc = [2.0 * x / side as f32 - 1.0, 1.0 - 2.0 * y / side as f32];
             let far = world_from_clip * Vec4::new(ndc[0], ndc[1], 0.5, 1.0);
-            let way = far.truncate() / far.w - eye;
-            eye + (height - eye.y) / way.y * way
+            met(far.truncate() / far.w - eye).unwrap_or((eye, Vec3::ZERO))
         };
-        let points: Vec<Vec3> = (0..side * side).map(point).collect();
-        let depths: Vec<f32> = points.iter().map(|p| view.clip_from_world.project_point3(*p).z).collect();
-        let up = [f16::ZERO, f16::ONE, f16::ZERO, f16::ZERO];
-        let normals = vec![up; points.len()];
+        let (points, normals): (Vec<Vec3>, Vec<Vec3>) = (0..side * side).map(at).unzip();
+        let depth = |(p, n): (&Vec3, &Vec3)| match *n {
+            // As far as reversed depth goes.
+            Vec3::ZERO => 0.0,
+            _ => view.clip_from_world.project_point3(*p).z,
+        };
+        let depths: Vec<f32> = points.iter().zip(&normals).map(depth).collect();
+        let packed: Vec<[f16; 4]> =
+            normals.iter().map(|n| n.extend(0.0).to_array().map(f16::from_f32)).collect();
         let nothing = InjectionScale { attribute_points: 1, light_points: 1, radiance_max: 1.0 };
+        let size = UVec2::splat(side);
         Ok(Self {
             size,
             depth: uploaded(gpu, side, TextureFormat::R32Float, lumivox::bytemuck::cast_slice(&depths))?,
-            normal: uploaded(gpu, side, TextureFormat::Rgba16Float, lumivox::bytemuck::cast_slice(&normals))?,
+            normal: uploaded(gpu, side, TextureFormat::Rgba16Float, lumivox::bytemuck::cast_slice(&packed))?,
             uniform: Uniform::new(gpu, "bench/view", &ViewUniform::new(&view, size, UVec2::ONE, nothing)),
             points,
+            normals,
             eye,
         })
     }
@@ -70,24 +102,35 @@ impl Floor {
         Receiver { depth: &self.depth, normal: &self.normal, uniform: &self.uniform }
     }
 
+    /// Pixels that show anything.
+    pub(super) fn shown(&self) -> usize {
+        self.normals.iter().filter(|n| **n != Vec3::ZERO).count()
+    }
+
     /// The pixels that are held against true rays.
     pub(super) fn chosen(&self) -> Vec<usize> {
         let side = self.size.x;
         let all = (0..side * side)
             .filter(|n| (n % side).is_multiple_of(STRIDE) && (n / side).is_multiple_of(STRIDE));
-        all.map(|n| n as usize).collect()
+        all.map(|n| n as usize).filter(|&n| self.normals[n] != Vec3::ZERO).collect()
     }
 
-    /// The part of true rays from the chosen pixels that get through.
-    pub(super) fn truth<R: Iterator<Item = (Ray, f32)>>(
+    /// The part that gets through of the true rays that `rays` sends from the chosen pixels, each with its end and weight.
+    pub(super) fn truth<R: Iterator<Item = (Ray, f32, f32)>>(
         &self,
         baker: &Baker,
-        rays: impl Fn(usize, Vec3) -> R + Sync,
+        rays: impl Fn(usize, Vec3, Vec3) -> R + Sync,
     ) -> Vec<f64> {
+        // Off the surface, for what rays start on not to stop them.
+        let off = 1e-4 * baker.sphere().radius;
         let through = |n: usize| {
-            let free =
-                rays(n, self.points[n]).filter(|(ray, ends)| baker.trace(ray).is_none_or(|d| d > *ends));
-            free.count() as f64 / f64::from(TRUE_RAYS)
+            let (mut sent, mut free) = (0.0, 0.0);
+            for (ray, ends, weight) in rays(n, self.points[n] + off * self.normals[n], self.normals[n]) {
+                let gets_through = weight > 0.0 && baker.trace(&ray).is_none_or(|d| d > ends);
+                sent += f64::from(weight);
+                free += if gets_through { f64::from(weight) } else { 0.0 };
+            }
+            if sent > 0.0 { free / sent } else { 1.0 }
         };
         self.chosen().into_par_iter().map(through).collect()
     }
@@ -127,40 +170,52 @@ impl Placed {
     pub(super) fn occlusion(
         &self,
         timer: &Timer<'_>,
-        floor: &Floor,
+        surface: &Surface,
         settings: OcclusionSettings,
     ) -> Result<(Time, Vec<f64>)> {
         let gpu = timer.gpu;
-        let mut occlusion = Occlusion::new(gpu, floor.size, &self.objects, settings)?;
+        let mut occlusion = Occlusion::new(gpu, surface.size, &self.objects, settings)?;
         occlusion.update(gpu, &self.objects);
-        let receiver = floor.receiver();
+        let receiver = surface.receiver();
         let time = timer
             .median(|| timer.submit(|e| occlusion.record(gpu, e, &self.fields, &self.objects, &receiver)))?;
-        Ok((time, floor.chosen_of(gpu, occlusion.factor())?))
+        Ok((time, surface.chosen_of(gpu, occlusion.factor())?))
     }
 
+    /// Time of the shadows of all lights, and the mean of what gets through of them.
     pub(super) fn shadow(
         &self,
         timer: &Timer<'_>,
-        floor: &Floor,
-        light: ShadowLight,
+        surface: &Surface,
+        lights: &[ShadowLight],
         rays: u32,
     ) -> Result<(Time, Vec<f64>)> {
         let gpu = timer.gpu;
         let settings = ShadowSettings { rays, blended: false, denoise: true };
-        let mut shadows = SoftShadows::new(gpu, floor.size, &self.objects, 1, settings)?;
-        shadows.update(gpu, &self.objects, &[light]);
-        let receiver = floor.receiver();
+        let count = lights.len();
+        let mut shadows = SoftShadows::new(gpu, surface.size, &self.objects, count, settings)?;
+        shadows.update(gpu, &self.objects, lights);
+        let receiver = surface.receiver();
         let time = timer
             .median(|| timer.submit(|e| shadows.record(gpu, e, &self.fields, &self.objects, &receiver)))?;
-        let factor = shadows.factor(0).context("the factor of the light")?;
-        Ok((time, floor.chosen_of(gpu, factor)?))
+        let mut mean = vec![0.0; surface.chosen().len()];
+        for light in 0..lights.len() {
+            let factor = shadows.factor(light).context("the factor of the light")?;
+            let found = surface.chosen_of(gpu, factor)?;
+            mean.iter_mut().zip(found).for_each(|(mean, found)| *mean += found / count as f64);
+        }
+        Ok((time, mean))
     }
 }
 
-pub(super) fn sky_rays(n: usize, p: Vec3) -> impl Iterator<Item = (Ray, f32)> {
-    directions(Vec3::Y, TRUE_RAYS, n as f32).map(move |d| (Ray::new(p, d), f32::INFINITY))
+/// Rays all over the hemisphere, as dense as their cosine.
+pub(super) fn sky_rays(count: u32) -> impl Fn(usize, Vec3, Vec3) -> SkyRays + Sync {
+    move |n, p, normal| {
+        Box::new(directions(normal, count, n as f32).map(move |d| (Ray::new(p, d), f32::INFINITY, 1.0)))
+    }
 }
+
+type SkyRays = Box<dyn Iterator<Item = (Ray, f32, f32)>>;
 
 pub(super) fn row(
     figure: &'static str,
