@@ -59,6 +59,8 @@ pub(crate) fn baked() -> Result<(), Failed> {
     assert_eq!(picture.dimensions(), (800, 536));
     // A field that is read is the one that was written.
     folder.line("field t.lvf --stats again.json").succeeded();
+    // What says how a field is baked says nothing of one that is read.
+    folder.line("field t.lvf --points 82 --normals").failed_with(&["--points, --normals"]);
     let again = read_json(&folder.join("again.json"))?;
     assert_eq!((&again["sphere_radius_m"], &again["bytes"]), (&stats["sphere_radius_m"], &stats["bytes"]));
     Ok(())

@@ -152,7 +152,8 @@ fn leaves_let_through(gpu: &Gpu) -> Result<(), Failed> {
     let camera = Camera::look("below", Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.001), 100.0);
     let sun = FLOOR * 3.0 / std::f32::consts::PI;
     for (sigma, moved, left) in [(0.3, 0.5, 0.49), (0.3, 5.0, 0.7), (1.0, 0.5, 0.0)] {
-        let leaf_shadows = Some(LeafShadowSettings { sigma, size: 256, slices: 64 });
+        let leaf_shadows =
+            Some(LeafShadowSettings { sigma, size: 256, slices: 64, ..LeafShadowSettings::default() });
         scene.instances[2].world_from_local =
             Mat4::from_translation(moved * (Vec3::Y + Vec3::X * f32::from(moved > 1.0)));
         let settings = Settings { layer: Layer::Direct, leaf_shadows, ..small() };
