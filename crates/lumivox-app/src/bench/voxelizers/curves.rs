@@ -1,6 +1,8 @@
 //! Cost against triangles and against cells.
 
 use anyhow::Result;
+use lumivox::gpu::Buffer;
+use lumivox::wgpu;
 
 use super::{measure, measure_cpu, ways};
 use crate::bench::models::{Subject, ball};
@@ -59,11 +61,60 @@ impl Curves {
         Ok(())
     }
 
-    fn finish(self, stem: &str, x: &'static str, title: String, report: &mut Report) -> Result<()> {
-        let header: Vec<String> = std::iter::once(x).chain(self.names).map(str::to_owned).collect();
-        report.table(&header, &self.lines);
-        report.plot(stem, &Plot { title, x, y: "milliseconds", series: self.series })
+    /// Triangles a second of the last case, and the part of the device's bandwidth that takes, if `bytes` is what has to be read.
+    fn throughput(&self, timer: &Timer<'_>, bytes: f64, report: &mut Report) -> Result<()> {
+        let bandwidth = bandwidth(timer)?;
+        let gb = |bytes: f64| format!("{:.1}", bytes / 1e9);
+        report.say(&format!(
+            "Triangles a second of the most triangles, and how much of the memory's bandwidth that is: vertices and indices read once, {} MB, beside a copy \
+             from buffer to buffer at {} GB/s, read and written.",
+            (bytes / 1e6).round(),
+            gb(bandwidth)
+        ));
+        let mut lines = Vec::new();
+        for series in &self.series {
+            let Some(&(triangles, ms)) = series.points.last() else { continue };
+            let (rate, part) = (triangles / ms / 1e3, bytes / (1e-3 * ms) / bandwidth);
+            lines.push(vec![series.name.clone(), format!("{rate:.2}"), format!("{:.2} %", 1e2 * part)]);
+            for (metric, value, unit) in
+                [("triangles a second", rate, "M/s"), ("part of the bandwidth", part, "fraction")]
+            {
+                report.push(Row {
+                    figure: "throughput",
+                    case: format!("{}, {triangles} triangles", series.name),
+                    metric: metric.to_owned(),
+                    value,
+                    unit,
+                    paper: None,
+                    note: String::new(),
+                });
+            }
+        }
+        report.table(&["method", "million triangles/s", "of the bandwidth"].map(str::to_owned), &lines);
+        Ok(())
     }
+
+    fn finish(&self, stem: &str, x: &'static str, title: String, report: &mut Report) -> Result<()> {
+        let names = self.names.iter().copied();
+        let header: Vec<String> = std::iter::once(x).chain(names).map(str::to_owned).collect();
+        report.table(&header, &self.lines);
+        report.plot(stem, &Plot { title, x, y: "milliseconds", series: self.series.clone() })
+    }
+}
+
+/// Bytes a second that a copy from buffer to buffer reads and writes.
+fn bandwidth(timer: &Timer<'_>) -> Result<f64> {
+    const BYTES: u64 = 64 << 20;
+    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let buffer = || Buffer::with_usage(timer.gpu, "bench/copy", BYTES, usage);
+    let (from, to) = (buffer(), buffer());
+    let time = timer.median(|| {
+        timer.submit(|e| {
+            e.copy_buffer_to_buffer(&from.raw, 0, &to.raw, 0, BYTES);
+            Ok(())
+        })
+    })?;
+    Ok(2.0 * BYTES as f64 / (1e-3 * time.ms))
 }
 
 /// A ball of more and more triangles.
@@ -74,11 +125,15 @@ pub(super) fn triangles(timer: &Timer<'_>, quick: bool, report: &mut Report) -> 
     let counts: &[u32] =
         if quick { &[10_000, 100_000] } else { &[10_000, 40_000, 160_000, 640_000, 2_560_000, 10_240_000] };
     let mut curves = Curves::new("triangles");
+    let mut bytes = 0.0;
     for &count in counts {
         let subject = Subject::new(timer.gpu, "Bumpy ball", ball(count))?;
+        let of_mesh = |mesh: &lumivox_scene::Mesh| 12 * (mesh.positions.len() + mesh.indices.len());
+        bytes = subject.scene.meshes.iter().map(of_mesh).sum::<usize>() as f64;
         curves.add(timer, &subject, side, subject.scene.triangle_count() as f64, report)?;
     }
-    curves.finish("triangles", "triangles", format!("Bumpy ball, {side} cells"), report)
+    curves.finish("triangles", "triangles", format!("Bumpy ball, {side} cells"), report)?;
+    curves.throughput(timer, bytes, report)
 }
 
 /// One model on finer and finer grids.
