@@ -11,7 +11,7 @@
 use lumivox::gpu::{Bindings, Gpu, GpuError, Program, Shader, Texture};
 use lumivox::{wgpu, wgsl};
 
-use crate::gpu_scene::{GpuScene, VERTEX_BUFFERS};
+use crate::gpu_scene::{Draw, GpuScene, VERTEX_BUFFERS};
 use crate::material_textures::MaterialTextures;
 use crate::renderer::{Shade, ShadowBatch};
 use crate::surface::{DEPTH_FORMAT, SURFACE, material_options};
@@ -69,12 +69,16 @@ impl ShadowPass {
         pass.set_vertex_buffer(1, scene.paints.raw.slice(..));
         pass.set_index_buffer(scene.indices.raw.slice(..), wgpu::IndexFormat::Uint32);
         for (is_masked, (pipeline, program)) in [(false, &self.opaque), (true, &self.masked)] {
-            let with_casters = matches!(batch.shade, Shade::Maps | Shade::Leaves(_));
-            let with_masked = !matches!(batch.shade, Shade::Leaves(_));
+            let with_casters = matches!(batch.shade, Shade::Maps | Shade::Leaves(_) | Shade::Volumes(_));
+            let left_out = match batch.shade {
+                Shade::Leaves(_) => Some(true),
+                Shade::Volumes(_) => Some(false),
+                _ => None,
+            };
             let draws = || {
-                let all =
-                    scene.draws.iter().filter(|d| d.is_masked == is_masked && (with_masked || !is_masked));
-                all.filter(|d| with_casters || !d.is_caster)
+                let all = scene.draws.iter().filter(|d| d.is_masked == is_masked);
+                let is_in = |d: &&Draw| left_out != Some(d.is_masked) || !d.in_camera;
+                all.filter(is_in).filter(|d| with_casters || !d.is_caster)
             };
             if draws().next().is_none() {
                 continue;

@@ -49,6 +49,7 @@ pub mod light;
 pub mod lpv;
 pub mod progressive;
 pub mod refraction;
+pub mod shadow_volumes;
 pub mod slicemap;
 pub mod visibility;
 pub mod volume;
@@ -72,13 +73,15 @@ pub fn shaders() -> Vec<gpu::Shader> {
         visibility::shaders(),
         slicemap::shaders(),
         refraction::shaders(),
+        shadow_volumes::shaders(),
     ]
     .concat()
 }
 
 /// The texts that [`voxelize`] and [`progressive::ProgressiveVoxelizer`] make of some sets of channels, for validation and for reading.
 pub fn generated_texts() -> Vec<gpu::GeneratedText> {
-    [voxelize::texts(), progressive::texts(), slicemap::texts(), refraction::texts()].concat()
+    [voxelize::texts(), progressive::texts(), slicemap::texts(), refraction::texts(), shadow_volumes::texts()]
+        .concat()
 }
 
 /// Every number that both Rust and WGSL spell out: its name in WGSL and its value in Rust.
@@ -126,6 +129,8 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<refraction::RefractionUniform>(),
         entry::<refraction::ThicknessUniform>(),
         entry::<refraction::PyramidUniform>(),
+        entry::<shadow_volumes::VolumeUniform>(),
+        entry::<shadow_volumes::PartUniform>(),
         entry::<visibility::FieldUniform>(),
         entry::<visibility::ObjectUniform>(),
         entry::<visibility::TileUniform>(),

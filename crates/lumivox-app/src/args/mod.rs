@@ -142,8 +142,8 @@ pub(crate) struct ObjectArgs {
     /// How objects take light of the sky: as in shadow maps, or by their visibility fields.
     #[arg(long, value_enum, default_value = "maps")]
     pub(crate) ao: AoArg,
-    /// How objects throw shadows in the light of lamps: as in shadow maps, softly by their visibility fields, or masked surfaces such as
-    /// leaves by the part that they take.
+    /// How objects throw shadows in the light of lamps: as in shadow maps, softly by their visibility fields, masked surfaces such as
+    /// leaves by the part that they take, or sharply by shadow volumes.
     #[arg(long, value_enum, default_value = "maps")]
     pub(crate) shadows: ByArg,
     /// The part of the light that a leaf takes with --shadows transmittance, 0 to 1.
@@ -220,6 +220,8 @@ pub(crate) enum ByArg {
     Field,
     /// In the light of suns and spots masked surfaces, such as leaves, let a part through; counted in slicemaps.
     Transmittance,
+    /// Stencil shadow volumes of opaque surfaces in the light of suns, spots and points: sharp at any distance.
+    Volumes,
 }
 
 #[derive(Debug, Args)]

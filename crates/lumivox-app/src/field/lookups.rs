@@ -84,6 +84,7 @@ pub(crate) fn with_objects(settings: Settings, args: &ObjectArgs, still: bool) -
         soft_shadows: shadows.then(|| ShadowSettings { rays, blended, ..ShadowSettings::default() }),
         leaf_shadows: (args.shadows == ByArg::Transmittance)
             .then(|| LeafShadowSettings { sigma: args.sigma, ..LeafShadowSettings::default() }),
+        volume_shadows: args.shadows == ByArg::Volumes,
         light_radius: args.light_radius.unwrap_or(LIGHT_RADIUS),
         polish: (args.reflections == ReflectionsArg::Field).then_some(polish),
         ..settings

@@ -50,6 +50,8 @@ pub(crate) enum Shade {
     /// Objects are in the shadow maps, but masked surfaces are not: what their slicemap leaves of the light of this number stands
     /// for them.
     Leaves(usize),
+    /// Only masked surfaces are in the shadow maps: the volumes of all others in the light of this number stand for them.
+    Volumes(usize),
 }
 
 /// The objects of a renderer.
@@ -168,7 +170,7 @@ impl FieldObjects {
     /// What of a batch's light the objects let through.
     pub(super) fn factor(&self, shade: Shade) -> Option<&Texture> {
         match shade {
-            Shade::Maps | Shade::Leaves(_) => None,
+            Shade::Maps | Shade::Leaves(_) | Shade::Volumes(_) => None,
             Shade::Occlusion => self.occlusion.as_ref().map(Occlusion::factor),
             Shade::Light(light) => self.shadows.as_ref().and_then(|s| s.factor(light)),
         }

@@ -62,7 +62,7 @@ impl Renderer {
 
     /// What the camera sees, and how it is lit.
     fn record_view(&mut self, timer: &mut StageTimer, pace: Pace) -> Result<(), RendererError> {
-        let Self { gpu, scene, camera, shadowed, injected, indirect, leaves, .. } = self;
+        let Self { gpu, scene, camera, shadowed, injected, indirect, leaves, volumes, .. } = self;
         let (gpu, objects) = (&*gpu, &mut self.objects);
         camera.update(gpu, self.scale);
         shadowed.update(gpu, &self.bounds, &camera.view);
@@ -74,6 +74,9 @@ impl Renderer {
         if let Some(leaves) = leaves {
             leaves.update(gpu, shadowed.samples(), &self.bounds, &camera.view);
         }
+        if let Some(volumes) = volumes {
+            volumes.update(gpu, shadowed.samples(), &self.bounds, &camera.view);
+        }
         timer.stage(gpu, "raster/gbuffer", |e| {
             camera.record_clear_radiance(e);
             self.gbuffer_pass.record(gpu, e, scene, None, camera)
@@ -84,13 +87,17 @@ impl Renderer {
         if let Some(leaves) = leaves {
             leaves.record(gpu, timer, &camera.input)?;
         }
+        if let Some(volumes) = volumes {
+            volumes.record(gpu, timer, &camera.input)?;
+        }
         for batch in &shadowed.batches {
             timer.stage(gpu, "raster/shadow", |e| {
                 self.shadow_pass.record(gpu, e, scene, batch, &shadowed.atlas)
             })?;
-            let factor = match (batch.shade, &leaves) {
-                (Shade::Leaves(light), Some(leaves)) => leaves.factor(light),
-                (shade, _) => objects.as_ref().and_then(|o| o.factor(shade)),
+            let factor = match (batch.shade, &leaves, &volumes) {
+                (Shade::Leaves(light), Some(leaves), _) => leaves.factor(light),
+                (Shade::Volumes(light), _, Some(volumes)) => volumes.factor(light),
+                (shade, ..) => objects.as_ref().and_then(|o| o.factor(shade)),
             };
             timer.stage(gpu, "raster/direct", |e| {
                 self.direct_pass.record(gpu, e, shadowed, (batch, factor), camera, &mut self.spare_radiance)

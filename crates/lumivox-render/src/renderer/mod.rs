@@ -11,6 +11,7 @@ mod pictures;
 mod settings;
 mod shadowed_lights;
 mod view_voxelizer;
+mod volume_shadows;
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::VolumeBuffer;
@@ -36,6 +37,7 @@ use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
 use leaf_shadows::LeafShadows;
 use view_voxelizer::ViewVoxelizer;
+use volume_shadows::VolumeShadows;
 
 pub(crate) use field_objects::Shade;
 pub use field_objects::{Caster, ObjectFields};
@@ -78,6 +80,7 @@ pub struct Renderer {
     camera: SurfaceView,
     objects: Option<FieldObjects>,
     leaves: Option<LeafShadows>,
+    volumes: Option<VolumeShadows>,
     /// Where the scene's instances stand.
     places: Vec<Mat4>,
     lights: Vec<Light>,
@@ -169,8 +172,16 @@ impl Renderer {
             })
             .transpose()?
             .flatten();
-        let shade = |source: Option<usize>| match (&objects, &leaves, source) {
-            (_, Some(leaves), Some(light)) if leaves.has(light) => Shade::Leaves(light),
+        let volumes = settings
+            .volume_shadows
+            .then(|| {
+                VolumeShadows::new(gpu, [scene, &panels], uploaded, &for_picture, (&bounds, settings.size))
+            })
+            .transpose()?
+            .flatten();
+        let shade = |source: Option<usize>| match (&objects, &leaves, &volumes, source) {
+            (_, Some(leaves), _, Some(light)) if leaves.has(light) => Shade::Leaves(light),
+            (_, _, Some(volumes), Some(light)) if volumes.has(light) => Shade::Volumes(light),
             (Some(objects), ..) => objects.shade(source),
             _ => Shade::Maps,
         };
@@ -195,6 +206,7 @@ impl Renderer {
             shadowed: ShadowedLights::new(gpu, for_picture, settings.shadow_size, shade)?,
             injected,
             leaves,
+            volumes,
             objects,
             sky,
             direct_pass: DirectPass::new(gpu)?,
@@ -260,6 +272,9 @@ impl Renderer {
         self.places.clone_from(&pose.world_from_local);
         if let Some(leaves) = &mut self.leaves {
             leaves.set_places(&self.gpu, &self.places);
+        }
+        if let Some(volumes) = &mut self.volumes {
+            volumes.set_places(&self.gpu, &self.places);
         }
         if let Some(triangles) = &mut self.triangles {
             triangles.set_pose(&self.gpu, pose);

@@ -110,6 +110,8 @@ pub struct Settings {
     pub polish: Option<Polish>,
     /// Whether masked surfaces let a part of the light of suns and spots through, and how much.
     pub leaf_shadows: Option<LeafShadowSettings>,
+    /// Whether opaque surfaces throw the shadows of suns, spots and points by shadow volumes in place of maps: sharp at any distance.
+    pub volume_shadows: bool,
     /// What the picture shows.
     pub layer: Layer,
     /// Roughness of the surfaces in [`Layer::Glossy`], 0.3 to 1: less is a sharper mirror.
@@ -172,6 +174,7 @@ impl Default for Settings {
             light_radius: 0.1,
             polish: None,
             leaf_shadows: None,
+            volume_shadows: false,
             layer: Layer::Final,
             roughness: 0.4,
             voxel_channel: VoxelChannel::Lit,

@@ -16,6 +16,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("reflective shadow maps have the holes of a mask", injected_through),
     ("a blended surface is solid from one half on", blended),
     ("leaves take a part of the sun, one after the other", leaves_let_through),
+    ("volumes shade for opaque surfaces, and maps for those with holes", volumes_and_maps),
 ];
 
 /// Albedos of sRGB 124 and 231.
@@ -167,6 +168,34 @@ fn leaves_let_through(gpu: &Gpu) -> Result<(), Failed> {
             let (which, expected) = if p.x > 0.0 { (1, left * sun) } else { (0, sun) };
             counts[which] += 1;
             assert!((seen.y - expected).abs() < 0.01 * sun, "sigma {sigma}: {} of {expected} at {p}", seen.y);
+        }
+        assert!(counts.iter().all(|&n| n > 100), "{counts:?}");
+    }
+    Ok(())
+}
+
+/// With shadow volumes an opaque leaf shades by its volume, and one with holes by the map.
+fn volumes_and_maps(gpu: &Gpu) -> Result<(), Failed> {
+    let camera = Camera::look("below", Vec3::new(0.0, 0.6, 0.0), Vec3::new(0.0, 0.0, 0.001), 110.0);
+    let sun = FLOOR * 3.0 / std::f32::consts::PI;
+    for (alpha, left) in [(AlphaMode::Opaque, 0.0), (MASK, sun)] {
+        let (scene, ..) = leaf_scene(alpha, [0, 255]);
+        let settings = Settings { layer: Layer::Direct, volume_shadows: true, ..small() };
+        let seen = picture(gpu, &scene, &camera, settings)?;
+        let mut counts = [0; 3];
+        for (ray, seen) in rays(&camera, settings.size).into_iter().zip(seen) {
+            let p = ray.origin - ray.origin.y / ray.direction.y * ray.direction;
+            let outside = p.abs().max_element() - 0.5;
+            if p.x.abs() < BORDER || outside.abs() < BORDER {
+                continue;
+            }
+            let (which, expected) = match (outside > 0.0, p.x > 0.0) {
+                (true, _) => (0, sun),
+                (false, true) => (1, 0.0),
+                (false, false) => (2, left),
+            };
+            counts[which] += 1;
+            assert!((seen.y - expected).abs() < 0.01 * sun, "{alpha:?}: {} of {expected} at {p}", seen.y);
         }
         assert!(counts.iter().all(|&n| n > 100), "{counts:?}");
     }

@@ -24,6 +24,7 @@ mod progressive;
 mod proof;
 mod random_views;
 mod refraction;
+mod shadow_volumes;
 mod single_pass;
 mod slicemap;
 mod support;
@@ -79,27 +80,29 @@ fn main() -> ExitCode {
         refraction::TESTS,
     ]
     .concat();
-    let trials =
-        tests.into_iter().chain(visibility::tests()).chain(voxelize::tests()).map(
-            |(name, body)| match &labs {
-                Ok(labs) => {
-                    let labs = labs.clone();
-                    Trial::test(name, move || body(&labs))
-                }
-                Err(_) if args.list => Trial::test(name, || Ok(())),
-                Err(e) if required => {
-                    let reason = e.to_string();
-                    Trial::test(name, move || Err(reason.into()))
-                }
-                // An adapter that is there and does not work is a failure, not an absence.
-                Err(GpuError::NoAdapter(_)) => {
-                    Trial::test(format!("{name} (no graphics adapter)"), || Ok(())).with_ignored_flag(true)
-                }
-                Err(e) => {
-                    let reason = e.to_string();
-                    Trial::test(name, move || Err(reason.into()))
-                }
-            },
-        );
+    let trials = tests
+        .into_iter()
+        .chain(shadow_volumes::tests())
+        .chain(visibility::tests())
+        .chain(voxelize::tests())
+        .map(|(name, body)| match &labs {
+            Ok(labs) => {
+                let labs = labs.clone();
+                Trial::test(name, move || body(&labs))
+            }
+            Err(_) if args.list => Trial::test(name, || Ok(())),
+            Err(e) if required => {
+                let reason = e.to_string();
+                Trial::test(name, move || Err(reason.into()))
+            }
+            // An adapter that is there and does not work is a failure, not an absence.
+            Err(GpuError::NoAdapter(_)) => {
+                Trial::test(format!("{name} (no graphics adapter)"), || Ok(())).with_ignored_flag(true)
+            }
+            Err(e) => {
+                let reason = e.to_string();
+                Trial::test(name, move || Err(reason.into()))
+            }
+        });
     libtest_mimic::run(&args, trials.collect()).exit_code()
 }

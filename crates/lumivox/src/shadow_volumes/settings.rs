@@ -1,0 +1,128 @@
+//! What shadow volumes are made for.
+
+use glam::{Mat4, UVec2, Vec3, Vec4};
+use lumivox_core::View;
+
+/// Layers at most.
+pub const MAX_LAYERS: u32 = 128;
+/// Views of a light at most: a cube's.
+pub const MAX_LIGHT_VIEWS: usize = 6;
+
+/// A light without extent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VolumeLight {
+    /// Light of the sun.
+    Directional {
+        /// The way it travels, of any length.
+        direction: Vec3,
+    },
+    /// A lamp; a spot is one whose views hold its cone.
+    Point {
+        /// Where it stands.
+        position: Vec3,
+    },
+}
+
+/// How shadow volumes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeSettings {
+    /// Width and height of the host's depth image.
+    pub size: UVec2,
+    /// Metres behind a surface, along the light, at which its shadow begins: room for what the depth image rounds. More lets light
+    /// through where things touch.
+    pub bias: f32,
+}
+
+impl Default for VolumeSettings {
+    /// A millimetre.
+    fn default() -> Self {
+        Self { size: UVec2::new(1280, 720), bias: 1e-3 }
+    }
+}
+
+crate::gpu_struct! {
+    /// All of it as shaders see it.
+    pub struct VolumeUniform {
+        /// World to the picture's clip space.
+        pub clip_from_world: Mat4,
+        /// And back.
+        pub world_from_clip: Mat4,
+        /// Metres along the view, as a product with a homogeneous point.
+        pub distance: Vec4,
+        /// A point, or a direction with 0 at the end.
+        pub light: Vec4,
+        /// Size of the picture.
+        pub size: UVec2,
+        /// Depth of what has not been drawn.
+        pub far_depth: f32,
+        /// The least last coordinate in clip space that counts; 0 for a parallel view.
+        pub near: f32,
+        /// Metres behind a surface.
+        pub bias: f32,
+        /// Which coordinate of pixels layers cut.
+        pub axis: u32,
+        /// How many layers there are.
+        pub layers: u32,
+        /// Words of bits for them.
+        pub words: u32,
+        /// Triangles of all casters.
+        pub triangles: u32,
+        /// Their edges.
+        pub edges: u32,
+        /// Their number.
+        pub casters: u32,
+        /// Triangles that fit into the lists.
+        pub capacity: u32,
+        /// 1 where layers are dropped.
+        pub culls: u32,
+        /// Views of the light.
+        pub light_views: u32,
+        /// Unused.
+        pub reserved_0: u32,
+        /// Unused.
+        pub reserved_1: u32,
+        /// World to the clip space of each view of the light.
+        pub clip_from_world_of_light: [Mat4; MAX_LIGHT_VIEWS],
+    }
+}
+
+impl VolumeUniform {
+    /// What belongs to a picture and a light; the rest is zero.
+    pub(super) fn new(settings: &VolumeSettings, view: &View, light: &VolumeLight, lit: &[View]) -> Self {
+        let world_from_clip = view.world_from_clip();
+        let (near_depth, far_depth) = if view.reversed_depth { (1.0, 0.0) } else { (0.0, 1.0) };
+        let is_parallel = view.clip_from_world.row(3).truncate() == Vec3::ZERO;
+        // Half of the near plane's: nothing visible lies before it, and volumes count only behind what is visible.
+        let near =
+            if is_parallel { 0.0 } else { 0.5 / (world_from_clip * Vec4::new(0.0, 0.0, near_depth, 1.0)).w };
+        let light = match *light {
+            VolumeLight::Directional { direction } => direction.normalize_or(Vec3::NEG_Y).extend(0.0),
+            VolumeLight::Point { position } => position.extend(1.0),
+        };
+        let mut uniform: Self = bytemuck::Zeroable::zeroed();
+        let views = lit.iter().take(MAX_LIGHT_VIEWS);
+        for (matrix, view) in uniform.clip_from_world_of_light.iter_mut().zip(views) {
+            *matrix = view.clip_from_world;
+        }
+        Self {
+            clip_from_world: view.clip_from_world,
+            world_from_clip,
+            distance: -view.eye_from_world.row(2),
+            light,
+            size: settings.size,
+            far_depth,
+            near,
+            bias: settings.bias,
+            axis: axis(settings.size, &view.clip_from_world, light),
+            light_views: lit.len().min(MAX_LIGHT_VIEWS) as u32,
+            ..uniform
+        }
+    }
+}
+
+/// Which coordinate of pixels changes most on the way away from the light, from the middle of the picture.
+fn axis(size: UVec2, clip_from_world: &Mat4, light: Vec4) -> u32 {
+    let toward = clip_from_world * light;
+    let way = toward.truncate().truncate() * size.as_vec2();
+    u32::from(way.y.abs() > way.x.abs())
+}
