@@ -131,6 +131,8 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<refraction::PyramidUniform>(),
         entry::<shadow_volumes::VolumeUniform>(),
         entry::<shadow_volumes::PartUniform>(),
+        entry::<shadow_volumes::MapUniform>(),
+        entry::<shadow_volumes::QueriedUniform>(),
         entry::<visibility::FieldUniform>(),
         entry::<visibility::ObjectUniform>(),
         entry::<visibility::TileUniform>(),

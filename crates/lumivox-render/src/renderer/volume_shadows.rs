@@ -7,7 +7,7 @@ use glam::{Mat4, UVec2};
 use lumivox::core::{Bounds, TriangleView, View};
 use lumivox::gpu::{Gpu, GpuError, StageTimer, Texture};
 use lumivox::progressive::ViewInput;
-use lumivox::shadow_volumes::{ShadowVolumes, Topology, VolumeLight, VolumeSettings};
+use lumivox::shadow_volumes::{CullSettings, ShadowVolumes, Topology, VolumeLight, VolumeSettings};
 use lumivox::voxelize::Mesh;
 use lumivox_scene::{AlphaMode, Scene};
 
@@ -59,7 +59,8 @@ impl VolumeShadows {
         let topologies: Vec<_> = scene.meshes.iter().map(topology).collect();
         let of_instances: Vec<_> =
             meshes.iter().map(|(n, _)| &topologies[scene.instances[*n].mesh]).collect();
-        let settings = VolumeSettings { size, bias: BIAS * bounds.size().length(), ..Default::default() };
+        let culling = Some(CullSettings::default());
+        let settings = VolumeSettings { size, bias: BIAS * bounds.size().length(), culling };
         let volumes = ShadowVolumes::new(gpu, &of_instances, sources.len(), settings)?;
         Ok(Some(Self { meshes, sources, volumes }))
     }

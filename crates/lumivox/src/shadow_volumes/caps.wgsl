@@ -9,6 +9,16 @@
 @group(0) @binding(5) var<storage, read_write> lists: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> primitives: array<u32>;
 
+// All rays of a parallel view end in one point at infinity: whether a cap there holds it.
+fn holds_view(corners: vec4u) -> bool {
+    let along = volume.distance.xyz;
+    let a = away_from_light(vertices[corners.x].xyz);
+    let b = away_from_light(vertices[corners.y].xyz);
+    let c = away_from_light(vertices[corners.z].xyz);
+    let sides = vec3f(dot(cross(a, b), along), dot(cross(b, c), along), dot(cross(c, a), along));
+    return (all(sides >= vec3f(0.0)) || all(sides < vec3f(0.0))) && dot(a + b + c, along) > 0.0;
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let n = linear_index(id, groups);
@@ -23,7 +33,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let corners = vec4u(select(triangle.xzy, triangle.xyz, side > 0), 0u);
     let caster = triangle.w & 0x7fffffffu;
     put(caster, corners, 3u, false);
-    if volume.light.w != 0.0 {
+    if volume.light.w == 0.0 {
+        return;
+    }
+    if volume.near > 0.0 {
         put(caster, corners.xzyw | vec4u(AT_INFINITY), 3u, false);
+    } else if holds_view(corners) {
+        put(caster, vec4u(SCREEN, SCREEN + 1u, SCREEN + 2u, 0u), 3u, false);
     }
 }

@@ -1,5 +1,7 @@
 //! The geometry of all casters in one place: welded vertices in the world, triangles, edges.
 
+use std::ops::Range;
+
 use super::Topology;
 use super::volumes::dispatch;
 use crate::gpu::{Bindings, Buffer, GeneratedPass, GeneratedText, Gpu, GpuError, Uniform};
@@ -39,6 +41,7 @@ pub(super) struct Casters {
     pub(super) incidences: Buffer,
     pub(super) triangle_count: u32,
     pub(super) edge_count: u32,
+    ranges: Vec<Range<u32>>,
     /// Triangles of all volumes at most, whatever the light.
     pub(super) most: u64,
 }
@@ -46,10 +49,12 @@ pub(super) struct Casters {
 impl Casters {
     pub(super) fn new(gpu: &Gpu, topologies: &[&Topology]) -> Result<Self, GpuError> {
         let mut all = All::default();
-        let mut parts = Vec::new();
+        let (mut parts, mut ranges) = (Vec::new(), Vec::new());
         for topology in topologies {
             let first = all.sources.len() as u32;
+            let triangle = all.triangles.len() as u32;
             all.add(topology, parts.len() as u32)?;
+            ranges.push(triangle..all.triangles.len() as u32);
             let count = topology.sources.len() as u32;
             let part = PartUniform { first, count, reserved_0: 0, reserved_1: 0 };
             let uniform = Uniform::new(gpu, "volumes/part", &part);
@@ -58,6 +63,7 @@ impl Casters {
         Ok(Self {
             pass: GeneratedPass::new(gpu, &text())?,
             parts,
+            ranges,
             sources: filled(gpu, "volumes/sources", &all.sources)?,
             vertices: Buffer::storage(gpu, "volumes/vertices", 16 * all.sources.len().max(1) as u64)?,
             triangles: filled(gpu, "volumes/triangles", &all.triangles)?,
@@ -73,6 +79,11 @@ impl Casters {
 
     pub(super) fn count(&self) -> usize {
         self.parts.len()
+    }
+
+    /// The triangles of each.
+    pub(super) fn ranges(&self) -> &[Range<u32>] {
+        &self.ranges
     }
 
     /// Vertices to where they stand when this runs.

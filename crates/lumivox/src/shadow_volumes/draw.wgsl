@@ -14,6 +14,9 @@ struct Fragment {
 @vertex
 fn vertex_main(@builtin(vertex_index) index: u32) -> Fragment {
     let reference = primitives[index];
+    if reference >= SCREEN {
+        return Fragment(screen_clip(reference), vec2f(1.0, 0.0));
+    }
     let corner = volume_corner(reference, vertices[reference & ~AT_INFINITY].xyz);
     return Fragment(volume_clip(corner), vec2f(dot(volume.distance, corner), corner.w));
 }

@@ -41,6 +41,9 @@ fn is_kept(caster: u32, layer: u32) -> bool {
 
 // The first and last layer that a face touches in the picture; the second before the first if it touches none.
 fn layers_of(corners: vec4u, count: u32) -> vec2i {
+    if corners.x >= SCREEN {
+        return vec2i(0, i32(volume.layers) - 1);
+    }
     var points: array<vec3f, 4>;
     for (var n = 0u; n < count; n++) {
         let reference = corners[n];

@@ -12,6 +12,7 @@
 //! | `nets` | how many sides the volume has at each edge |
 //! | `caps`, `sides`, `plan` | lists of the faces, for indirect draws |
 //! | `receivers` | metres to the surface of each pixel |
+//! | `rects` to `collect` | if asked for: what of all this no pixel needs |
 //! | `draw` | faces behind the surface count in a stencil: back faces up, front faces down |
 //! | `mask` | where the count is not 0 there is shadow |
 //!
@@ -29,13 +30,17 @@
 //! facets that the light just misses are in shadow by whole triangles, however their normals are interpolated.
 
 mod casters;
+mod culling;
 mod draw;
 mod settings;
 mod topology;
 mod volumes;
 
 pub use casters::PartUniform;
-pub use settings::{MAX_LAYERS, MAX_LIGHT_VIEWS, VolumeLight, VolumeSettings, VolumeUniform};
+pub use culling::{MapUniform, QueriedUniform};
+pub use settings::{
+    CullSettings, MAX_LAYERS, MAX_LIGHT_VIEWS, Reduction, VolumeLight, VolumeSettings, VolumeUniform,
+};
 pub use topology::Topology;
 pub use volumes::VolumeCounts;
 
@@ -45,6 +50,7 @@ use crate::gpu::{Buffer, GeneratedText, Gpu, GpuError, Shader, Texture, Uniform}
 use crate::visibility::FACTOR_FORMAT;
 use crate::voxelize::Mesh;
 use casters::Casters;
+use culling::{Culling, Seen};
 use draw::{Draw, Drawn};
 use volumes::Volumes;
 
@@ -59,13 +65,17 @@ pub struct ShadowVolumes {
     volumes: Volumes,
     draw: Draw,
     lights: Vec<Light>,
-    kept: Buffer,
+    culling: Option<Culling>,
+    /// Stands where nothing is culled.
+    no_kept: Buffer,
 }
 
 #[derive(Debug)]
 struct Light {
     value: VolumeUniform,
     uniform: Uniform<VolumeUniform>,
+    /// Its views, where anything is culled.
+    maps: Vec<Uniform<MapUniform>>,
     mask: Texture,
 }
 
@@ -83,15 +93,21 @@ impl ShadowVolumes {
         let size = settings.size.to_array();
         let light = |_| {
             let value = bytemuck::Zeroable::zeroed();
-            let uniform = Uniform::new(gpu, "volumes", &value);
-            Ok(Light { value, uniform, mask: Texture::target(gpu, "volumes/mask", size, FACTOR_FORMAT)? })
+            let map = |_| Uniform::new(gpu, "volumes/map", &bytemuck::Zeroable::zeroed());
+            Ok(Light {
+                value,
+                uniform: Uniform::new(gpu, "volumes", &value),
+                maps: settings.culling.iter().flat_map(|_| 0..MAX_LIGHT_VIEWS).map(map).collect(),
+                mask: Texture::target(gpu, "volumes/mask", size, FACTOR_FORMAT)?,
+            })
         };
         let casters = Casters::new(gpu, topologies)?;
         Ok(Self {
             lights: (0..lights).map(light).collect::<Result<_, GpuError>>()?,
             volumes: Volumes::new(gpu, &casters)?,
             draw: Draw::new(gpu, size)?,
-            kept: Buffer::storage(gpu, "volumes/kept", 16)?,
+            culling: settings.culling.map(|c| Culling::new(gpu, &casters, c, size)).transpose()?,
+            no_kept: Buffer::storage(gpu, "volumes/kept", 16)?,
             casters,
             settings,
         })
@@ -101,7 +117,11 @@ impl ShadowVolumes {
     /// shines on, at most [`MAX_LIGHT_VIEWS`]: what lies outside of them is in no shadow. None for light that reaches everything.
     pub fn update(&mut self, gpu: &Gpu, view: &View, lights: &[(VolumeLight, &[View])]) {
         for (light, (lamp, lit)) in self.lights.iter_mut().zip(lights) {
+            let culling = self.settings.culling.filter(|_| !lit.is_empty());
             light.value = VolumeUniform {
+                culls: u32::from(culling.is_some()),
+                layers: culling.map_or(0, |c| c.layers),
+                words: culling.map_or(0, |c| c.words()),
                 triangles: self.casters.triangle_count,
                 edges: self.casters.edge_count,
                 casters: self.casters.count() as u32,
@@ -109,6 +129,9 @@ impl ShadowVolumes {
                 ..VolumeUniform::new(&self.settings, view, lamp, lit)
             };
             light.uniform.write(gpu, &light.value);
+            if let Some(culling) = &self.culling {
+                light.maps.iter().zip(*lit).for_each(|(map, view)| map.write(gpu, &culling.map(view)));
+            }
         }
     }
 
@@ -125,7 +148,7 @@ impl ShadowVolumes {
         meshes: &[&Mesh],
     ) -> Result<(), GpuError> {
         gpu.check()?;
-        let Self { settings, casters, volumes, draw, lights, kept } = self;
+        let Self { settings, casters, volumes, draw, lights, culling, no_kept } = self;
         if meshes.len() != casters.count() || depth.size() != settings.size.to_array() {
             return Err(GpuError::Validation(format!(
                 "shadow volumes of {} meshes over {} pixels were given {} and {:?}",
@@ -136,16 +159,26 @@ impl ShadowVolumes {
             )));
         }
         casters.record(gpu, encoder, meshes)?;
-        for Light { uniform, mask, .. } in lights {
+        for Light { value, uniform, maps, mask } in lights {
             volumes.record_silhouettes(gpu, encoder, uniform, casters)?;
             draw.record_receivers(gpu, encoder, uniform, depth)?;
+            let mut layers = Vec::new();
+            let mut kept = &*no_kept;
+            if let Some(culling) = culling.as_mut().filter(|_| value.culls != 0) {
+                let maps = &maps[..value.light_views as usize];
+                let receivers = &draw.receivers;
+                let seen = Seen { uniform, casters, volumes, depth, receivers, maps };
+                culling.record(gpu, encoder, &seen)?;
+                kept = culling.kept();
+                layers = culling.rectangles(settings.size, value.axis);
+            }
             volumes.record_lists(gpu, encoder, uniform, (casters, kept))?;
             let drawn = Drawn {
                 uniform,
                 vertices: &casters.vertices,
                 primitives: &volumes.primitives,
                 draws: &volumes.draws,
-                layers: &[],
+                layers: &layers,
             };
             draw.record(gpu, encoder, &drawn, mask)?;
         }
@@ -174,12 +207,23 @@ impl ShadowVolumes {
     /// How much the last recording drew for its last light. Waits.
     pub fn read_counts(&self, gpu: &Gpu) -> Result<VolumeCounts, GpuError> {
         let [fragments, updates] = self.draw.read_fill(gpu)?;
-        Ok(VolumeCounts { fragments, updates, ..self.volumes.read_counts(gpu)? })
+        let casters = self.casters.count() as u32;
+        let kept_casters = self
+            .read_layers(gpu)?
+            .map_or(casters, |kept| kept.iter().filter(|layers| **layers != 0).count() as u32);
+        Ok(VolumeCounts { fragments, updates, casters, kept_casters, ..self.volumes.read_counts(gpu)? })
+    }
+
+    /// Of each caster the layers of the picture that the last recording drew it in for its last light, the first in the lowest bit;
+    /// none where nothing is culled. Waits.
+    pub fn read_layers(&self, gpu: &Gpu) -> Result<Option<Vec<u128>>, GpuError> {
+        let culls = self.lights.last().is_some_and(|light| light.value.culls != 0);
+        self.culling.as_ref().filter(|_| culls).map(|culling| culling.read_kept(gpu)).transpose()
     }
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![
+    let drawing = vec![
         volumes::FACING,
         volumes::NETS,
         volumes::CAPS,
@@ -189,7 +233,8 @@ pub(crate) fn shaders() -> Vec<Shader> {
         draw::DRAW,
         draw::COUNTED_DRAW,
         draw::MASK,
-    ]
+    ];
+    [drawing, culling::shaders()].concat()
 }
 
 /// For validation and for reading.

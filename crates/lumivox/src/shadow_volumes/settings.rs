@@ -3,6 +3,8 @@
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use lumivox_core::View;
 
+use crate::gpu::GpuError;
+
 /// Layers at most.
 pub const MAX_LAYERS: u32 = 128;
 /// Views of a light at most: a cube's.
@@ -31,12 +33,74 @@ pub struct VolumeSettings {
     /// Metres behind a surface, along the light, at which its shadow begins: room for what the depth image rounds. More lets light
     /// through where things touch.
     pub bias: f32,
+    /// What is left out of the drawing, in lights that have views; never a change of the mask.
+    pub culling: Option<CullSettings>,
 }
 
 impl Default for VolumeSettings {
-    /// A millimetre.
+    /// A millimetre, and everything is drawn.
     fn default() -> Self {
-        Self { size: UVec2::new(1280, 720), bias: 1e-3 }
+        Self { size: UVec2::new(1280, 720), bias: 1e-3, culling: None }
+    }
+}
+
+/// How the layers of a caster are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reduction {
+    /// Bits of its footprint's texels ORed in compute: the paper's ideal algorithm.
+    Ideal,
+    /// An occlusion query for each layer: its practical one. Slower, and all casters at once by as many draws as there are layers.
+    Practical,
+}
+
+/// What is left out of the drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CullSettings {
+    /// Layers of the picture, 1 to [`MAX_LAYERS`]. More cut shadows closer, and draw more faces several times.
+    pub layers: u32,
+    /// Texels a side of each view of the light, 16 to 1024. More tell more casters apart.
+    pub map_size: u32,
+    /// How the layers of a caster are found; both find the same.
+    pub reduction: Reduction,
+    /// Pixel-based caster culling: what of a caster lies in shadow asks for no layers.
+    pub by_texel: bool,
+    /// Pixel-based receiver culling: visible pixels are the receivers, in place of visible meshes. Without it every surface of the depth
+    /// image has to be one of the meshes.
+    pub by_pixel: bool,
+}
+
+impl Default for CullSettings {
+    /// All of it, with 32 layers.
+    fn default() -> Self {
+        Self { layers: 32, map_size: 512, reduction: Reduction::Ideal, by_texel: true, by_pixel: true }
+    }
+}
+
+impl CullSettings {
+    /// Words of bits for the layers.
+    pub(super) fn words(&self) -> u32 {
+        self.layers.div_ceil(32)
+    }
+
+    pub(super) fn check(&self) -> Result<(), GpuError> {
+        let Self { layers, map_size, .. } = *self;
+        if !(1..=MAX_LAYERS).contains(&layers) || !(16..=1024).contains(&map_size) {
+            return Err(GpuError::Validation(format!(
+                "shadow volumes in {layers} layers and maps of {map_size} texels; 1 to {MAX_LAYERS} and 16 to 1024 are possible"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Corner and size in pixels of each layer of a picture that is cut along an axis: columns, or rows.
+    pub(super) fn rectangles(&self, size: UVec2, axis: u32) -> Vec<[u32; 4]> {
+        let pixels = size.to_array()[axis as usize];
+        // The first pixel `p` with `p * layers / pixels` rounded down at least `layer`.
+        let first = |layer: u32| (layer * pixels).div_ceil(self.layers);
+        (0..self.layers)
+            .map(|layer| (first(layer), first(layer + 1)))
+            .map(|(a, b)| if axis == 0 { [a, 0, b - a, size.y] } else { [0, a, size.x, b - a] })
+            .collect()
     }
 }
 
@@ -125,4 +189,28 @@ fn axis(size: UVec2, clip_from_world: &Mat4, light: Vec4) -> u32 {
     let toward = clip_from_world * light;
     let way = toward.truncate().truncate() * size.as_vec2();
     u32::from(way.y.abs() > way.x.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_are_the_pixels_that_the_shader_counts_to_them() {
+        for (layers, size) in [(1, 7), (32, 480), (32, 479), (128, 100), (77, 1000)] {
+            let settings = CullSettings { layers, ..CullSettings::default() };
+            for axis in [0, 1] {
+                let mut picture = UVec2::splat(5);
+                picture[axis as usize] = size;
+                let rectangles = settings.rectangles(picture, axis);
+                for pixel in 0..size {
+                    let layer = (pixel * layers / size) as usize;
+                    for (n, rectangle) in rectangles.iter().enumerate() {
+                        let (first, count) = (rectangle[axis as usize], rectangle[2 + axis as usize]);
+                        assert_eq!((first..first + count).contains(&pixel), n == layer, "{layers} of {size}");
+                    }
+                }
+            }
+        }
+    }
 }

@@ -31,6 +31,8 @@ struct VolumeUniform {
 
 // In a reference to a corner: the vertex's end at infinity.
 const AT_INFINITY: u32 = 0x80000000u;
+// From here on: corners of a triangle that turns its back and covers the picture, at infinity.
+const SCREEN: u32 = 0xfffffffcu;
 
 fn away_from_light(world: vec3f) -> vec3f {
     if volume.light.w == 0.0 {
@@ -54,6 +56,11 @@ fn volume_clip(corner: vec4f) -> vec4f {
     var clip = volume.clip_from_world * corner;
     clip.z = 0.5 * (clip.w - volume.near * corner.w);
     return clip;
+}
+
+fn screen_clip(reference: u32) -> vec4f {
+    let corner = reference - SCREEN;
+    return vec4f(select(-1.0, 3.0, corner == 2u), select(-1.0, 3.0, corner == 1u), 0.5, 1.0);
 }
 
 fn volume_layer(pixel: vec2u) -> u32 {

@@ -23,6 +23,10 @@ const LIST_WORDS: usize = 262;
 /// How much of the volumes is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VolumeCounts {
+    /// Meshes that may cast.
+    pub casters: u32,
+    /// Those of which anything is drawn.
+    pub kept_casters: u32,
     /// Sides that are drawn, once for each layer that they are drawn in alone.
     pub sides: u32,
     /// Sides of all volumes.

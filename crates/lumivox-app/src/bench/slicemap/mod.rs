@@ -1,10 +1,13 @@
 //! `lumivox bench slicemap`: the measurements of *Fast Scene Voxelization and Applications* (Eisemann and Decoret 2006): voxelization rates
-//! and Table 1, and what slices, triangles, size and tables cost.
+//! and Table 1, what slices, triangles, size and tables cost, and what
+//! culling shadow volumes saves.
 
 mod curves;
 mod rates;
 mod table_1;
 mod tables;
+mod volumes;
+mod yard;
 
 use anyhow::Result;
 
@@ -22,7 +25,9 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     table_1::table(timer, quick, report)?;
     report.write()?;
     tables::tables(timer, quick, report)?;
-    curves::curves(timer, quick, report)
+    curves::curves(timer, quick, report)?;
+    report.write()?;
+    volumes::volumes(timer, quick, report)
 }
 
 fn row(

@@ -1,5 +1,6 @@
 //! Shadow volumes against shadow rays in double precision, and culled ones against all.
 
+mod culling;
 mod stage;
 
 use libtest_mimic::Failed;
@@ -12,7 +13,7 @@ use crate::{Labs, Test};
 use stage::{BIAS, Stage, mask, reference, things};
 
 pub(crate) fn tests() -> Vec<Test> {
-    [TESTS].concat()
+    [TESTS, culling::TESTS].concat()
 }
 
 const TESTS: &[Test] = &[
