@@ -33,7 +33,7 @@ struct Drawn {
 }
 
 fn cases(half: f32, aspect: f32) -> Vec<Case> {
-    let direction = Vec3::new(0.5, -1.0, 0.35).normalize();
+    let direction = Vec3::new(0.5, -1.0, 0.35).normalize_or_zero();
     let reach = 4.0 * half;
     let sunlit = View::orthographic_along(
         -0.5 * reach * direction,

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use glam::{Mat4, UVec2, Vec3};
+use lumivox::bytemuck;
 use lumivox::core::{TriangleView, View};
 use lumivox::gpu::{Gpu, Texture};
 use lumivox::shadow_volumes::Topology;

@@ -31,7 +31,7 @@ const SIZE: UVec2 = UVec2::new(150, 100);
 fn lit(light: &VolumeLight) -> Vec<View> {
     match *light {
         VolumeLight::Directional { direction } => {
-            let along = direction.normalize();
+            let along = direction.normalize_or_zero();
             vec![View::orthographic_along(-20.0 * along, along, Vec3::X, Vec2::splat(24.0), 40.0)]
         }
         VolumeLight::Point { position } => [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z]

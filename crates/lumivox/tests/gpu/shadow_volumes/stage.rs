@@ -60,7 +60,7 @@ impl Stage {
             let (t, triangle) =
                 hits.filter(|(t, _)| (0.0..=1.0).contains(t)).min_by(|a, b| a.0.total_cmp(&b.0))?;
             let point = start + t * along;
-            let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize();
+            let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or_zero();
             let (next, _) = ray(&self.view, ndc_of_texel(pixel + 1, self.size));
             let eye = self.view.eye().as_dvec3();
             let is_parallel = self.view.clip_from_world.w_axis.w == 1.0;
@@ -110,10 +110,10 @@ fn hit([a, b, c]: &[DVec3; 3], start: DVec3, along: DVec3) -> Option<f64> {
 /// Whether the light reaches a point, of which nothing counts that is nearer than `bias`.
 fn is_lit(triangles: &Triangles, light: &VolumeLight, point: DVec3, bias: f64) -> bool {
     let (towards, far) = match *light {
-        VolumeLight::Directional { direction } => (-direction.as_dvec3().normalize(), f64::INFINITY),
+        VolumeLight::Directional { direction } => (-direction.as_dvec3().normalize_or_zero(), f64::INFINITY),
         VolumeLight::Point { position } => {
             let way = position.as_dvec3() - point;
-            (way.normalize(), way.length())
+            (way.normalize_or_zero(), way.length())
         }
     };
     !triangles.iter().any(|t| hit(t, point, towards).is_some_and(|t| t > bias && t < far))
