@@ -28,16 +28,19 @@ fn vertex_main(@builtin(vertex_index) index: u32, @builtin(instance_index) layer
 @fragment
 fn fragment_main(f: Asked) {
     let texel = vec2u(f.position.xy);
-    let corners = corners_of(triangles[f.number]);
-    let points = points_in(map.clip_from_world, corners);
-    let distance = piece_in(points, values_at(map.distance, corners), texel, map.size).distance;
     let column = column_of(map.size, texel);
     let asks_light = f.layer == volume.layers;
     let word = slices[column * volume.words + min(f.layer / 32u, volume.words - 1u)];
     let has_receiver = ((word >> (f.layer % 32u)) & 1u) != 0u;
+    if !(asks_light || has_receiver) {
+        discard;
+    }
+    let corners = corners_of(triangles[f.number]);
+    let points = points_in(map.clip_from_world, corners);
+    let distance = piece_in(points, values_at(map.distance, corners), texel, map.size).distance;
     let counts_hidden = !asks_light && map.by_texel == 0u;
     let is_seen = counts_hidden || !is_hidden(covered[column], max(distance.x, 0.0));
-    if distance.x > distance.y || !is_seen || !(asks_light || has_receiver) {
+    if distance.x > distance.y || !is_seen {
         discard;
     }
 }
