@@ -16,7 +16,7 @@ use crate::bench::report::{Report, ms, thousands};
 use crate::bench::timing::Timer;
 
 const FIGURE: &str = "Shadow volumes";
-/// Texels a side of a view of the light: a tenth of a metre of the yard each. Software drivers take a minute with twice as many.
+/// Texels a side of a view of the light: a fifth of a metre of the yard each. Software drivers take a minute with twice as many.
 const MAP: u32 = 256;
 const QUICK_MAP: u32 = 128;
 
