@@ -1,20 +1,63 @@
 //! From triangles to bricks: which triangles each brick has to look at.
 //!
 //! A chunk of triangles at a time, each thread for itself. A triangle goes to the bricks that it touches, found by the
-//! same walk that finds cells, on a grid of bricks, or of the larger blocks that flat triangles are summed in. Where only
-//! occupancy is wanted, triangles of few bricks mark their cells at once, and no list is needed.
+//! same walk that finds cells, on a grid of bricks, or of the larger blocks that flat triangles are summed in
+//! ([`flat`](crate::flat)). Where only occupancy is wanted, triangles of few bricks mark their cells at once, and no list
+//! is needed.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{IVec3, UVec3};
 
 use crate::coverage::{self, CellBox, Coverage};
+use crate::flat::SumList;
 use crate::job::{Chunk, Job, Reached};
 use crate::sparse::{Directory, Mask, SHIFT, SIDE, brick_index};
 
 /// Triangles that reach more bricks than this leave their cells to the stage that works brick by brick, so that one
 /// large triangle keeps all threads busy.
 const FEW_BRICKS: i32 = 8;
+
+/// What the lists of all chunks may take.
+pub(crate) struct Budget {
+    most: u64,
+    pairs: AtomicU64,
+    /// Bytes of sums.
+    pub(crate) sums: AtomicU64,
+}
+
+impl Budget {
+    /// A quarter of the memory allowed for pairs, and as much for sums.
+    pub(crate) fn new(memory_limit: u64) -> Self {
+        Self { most: memory_limit / 4, pairs: AtomicU64::new(0), sums: AtomicU64::new(0) }
+    }
+
+    /// Whether there may be more sums.
+    pub(crate) fn has_room_for_sums(&self) -> bool {
+        self.sums.load(Ordering::Relaxed) < self.most
+    }
+
+    /// Whether the pairs that a chunk has made fit with those of others. Asked for each triangle, since one may have a
+    /// hundred thousand bricks, and looked at now and then, or at the end.
+    #[inline]
+    pub(crate) fn takes(&self, builder: &mut Builder, at_end: bool) -> bool {
+        let new = builder.pairs.len() - builder.counted;
+        if !at_end && new <= 4096 {
+            return true;
+        }
+        builder.counted = builder.pairs.len();
+        let pairs = self.pairs.fetch_add(new as u64, Ordering::Relaxed) + new as u64;
+        pairs <= self.most / PAIR_BYTES
+    }
+
+    /// Bytes of memory with which the pairs so far would have fitted.
+    pub(crate) fn needed(&self) -> u64 {
+        4 * PAIR_BYTES * self.pairs.load(Ordering::Relaxed)
+    }
+}
+
+/// A pair of triangle and brick takes eight bytes while it is made and four more when it is sorted.
+const PAIR_BYTES: u64 = 12;
 
 /// Lists of one chunk.
 pub(crate) struct Bins {
@@ -28,6 +71,8 @@ pub(crate) struct Bins {
     items: Vec<u32>,
     /// Triangles that were not finite or named no vertex.
     pub(crate) skipped: u64,
+    /// What flat triangles that are in no list have left.
+    pub(crate) sums: SumList,
 }
 
 impl Bins {
@@ -38,23 +83,26 @@ impl Bins {
 }
 
 /// The bricks that a chunk is about to fill.
-struct Builder {
+pub(crate) struct Builder {
     along: UVec3,
     directory: Directory,
     bricks: Vec<u32>,
     masks: Vec<Mask>,
     pairs: Vec<[u32; 2]>,
+    /// Pairs that a budget knows of.
+    counted: usize,
     last: (IVec3, u32),
 }
 
 impl Builder {
-    fn new(along: UVec3) -> Self {
+    pub(crate) fn new(along: UVec3) -> Self {
         Self {
             along,
             directory: Directory::new(along),
             bricks: Vec::new(),
             masks: Vec::new(),
             pairs: Vec::new(),
+            counted: 0,
             last: (IVec3::splat(-1), 0),
         }
     }
@@ -94,10 +142,41 @@ impl Builder {
         self.pairs.push([number as u32, triangle]);
     }
 
+    /// Lists a triangle in all bricks, or blocks, that it reaches in `cells`.
+    #[inline]
+    pub(crate) fn push_all(
+        &mut self,
+        job: &Job<'_>,
+        (mesh, number): (usize, u32),
+        reach: &Reached,
+        cells: &CellBox,
+    ) {
+        let shift = job.shift();
+        let reach = reach.cells();
+        let within = reach.intersection(cells);
+        if within.is_empty() {
+            return;
+        }
+        let bricks = within.coarser(shift);
+        let extent = bricks.high - bricks.low + 1;
+        let count = extent.element_product();
+        if count <= 2 {
+            // Its corners lie in both.
+            self.push(bricks.low, number);
+            if count == 2 {
+                self.push(bricks.high, number);
+            }
+        } else {
+            // All coverages lie inside the exact one.
+            let coarse = job.triangle(mesh, number, reach).coarser(shift);
+            coverage::walk(Coverage::Exact, &coarse, &bricks, &mut |brick| self.push(brick, number));
+        }
+    }
+
     /// Sorts everything by brick.
-    fn finish(self, skipped: u64) -> Bins {
+    pub(crate) fn finish(self, skipped: u64, sums: SumList) -> Bins {
         let (starts, items) = sorted(self.bricks.len(), self.pairs.iter().map(|&[number, t]| (number, t)));
-        Bins { bricks: self.bricks, masks: self.masks, starts, items, skipped }
+        Bins { bricks: self.bricks, masks: self.masks, starts, items, skipped, sums }
     }
 }
 
@@ -119,24 +198,14 @@ fn sorted<T: Copy>(numbers: usize, items: impl Iterator<Item = (u32, T)> + Clone
     (starts, sorted)
 }
 
-/// Sorts a chunk into the bricks of `slab`, or blocks where these are what the job is split in; none if, with what
-/// other chunks have counted in `pairs`, there would be more than `budget` pairs of triangle and brick.
-pub(crate) fn bin(
-    job: &Job<'_>,
-    chunk: &Chunk,
-    slab: &CellBox,
-    pairs: &AtomicU64,
-    budget: u64,
-) -> Option<Bins> {
-    let shift = job.shift();
+/// Sorts a chunk into the bricks of `slab`; none if there would be more pairs of triangle and brick than the budget has.
+pub(crate) fn bin(job: &Job<'_>, chunk: &Chunk, slab: &CellBox, budget: &Budget) -> Option<Bins> {
     let mut builder = Builder::new(job.along());
-    let cells = CellBox { low: slab.low << shift, high: ((slab.high + 1) << shift) - 1 };
-    let cells = cells.intersection(&CellBox::of_grid(job.dims()));
+    let cells = slab.finer(SHIFT).intersection(&CellBox::of_grid(job.dims()));
     // A triangle in one cell marks it, whatever its shape.
     let marks_one = !job.needs_fragments && job.coverage == Coverage::Exact;
     let mut last_one = None;
     let mut skipped = 0;
-    let mut counted = 0;
     for number in chunk.triangles.clone() {
         let Some(reach) = job.reach(chunk.mesh, number) else {
             skipped += 1;
@@ -153,48 +222,22 @@ pub(crate) fn bin(
             }
             continue;
         }
-        if let (true, Reached::One(cell)) = (job.is_flat, &reach) {
-            let cell = cell.cell();
-            if cells.contains(cell) {
-                builder.push(cell >> shift as i32, number);
+        if !job.needs_fragments {
+            let reach = reach.cells();
+            let within = reach.intersection(&cells);
+            let bricks = within.coarser(SHIFT);
+            if (bricks.high - bricks.low + 1).element_product() <= FEW_BRICKS {
+                if !within.is_empty() {
+                    let triangle = job.triangle(chunk.mesh, number, reach);
+                    coverage::walk(job.coverage, &triangle, &within, &mut |cell| builder.mark(cell));
+                }
+                continue;
             }
-            continue;
         }
-        let reach = reach.cells();
-        let within = reach.intersection(&cells);
-        if within.is_empty() {
-            continue;
-        }
-        let bricks = within.coarser(shift);
-        let extent = bricks.high - bricks.low + 1;
-        let count = extent.element_product();
-        if !job.needs_fragments && count <= FEW_BRICKS {
-            let triangle = job.triangle(chunk.mesh, number, reach);
-            coverage::walk(job.coverage, &triangle, &within, &mut |cell| builder.mark(cell));
-        } else if count <= 2 {
-            // Its corners lie in both.
-            builder.push(bricks.low, number);
-            if count == 2 {
-                builder.push(bricks.high, number);
-            }
-        } else {
-            // All coverages lie inside the exact one.
-            let coarse = job.triangle(chunk.mesh, number, reach).coarser(shift);
-            coverage::walk(Coverage::Exact, &coarse, &bricks, &mut |brick| builder.push(brick, number));
-        }
-        // Counted now and then, since one triangle may have a hundred thousand bricks.
-        let len = builder.pairs.len();
-        if len - counted > 4096 {
-            let new = (len - counted) as u64;
-            counted = len;
-            if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
-                return None;
-            }
+        builder.push_all(job, (chunk.mesh, number), &reach, &cells);
+        if !budget.takes(&mut builder, false) {
+            return None;
         }
     }
-    let new = (builder.pairs.len() - counted) as u64;
-    if pairs.fetch_add(new, Ordering::Relaxed) + new > budget {
-        return None;
-    }
-    Some(builder.finish(skipped))
+    budget.takes(&mut builder, true).then(|| builder.finish(skipped, SumList::default()))
 }

@@ -7,9 +7,9 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, Mat4, UVec3};
 use lumivox_core::Grid;
 use rayon::prelude::*;
 
-use crate::blocks::BLOCK_SHIFT;
 use crate::channels::{Parts, takes_flat};
 use crate::coverage::{CellBox, Triangle, cell_of, onto_rim};
+use crate::flat::BLOCK_SHIFT;
 use crate::options::{Progress, Stage, VoxelizeOptions};
 use crate::sparse::SHIFT;
 use crate::surface::{Asked, Face, Placed, has_flat_normals};

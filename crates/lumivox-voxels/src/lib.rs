@@ -28,7 +28,6 @@
 
 mod areas;
 mod binning;
-mod blocks;
 mod boundary;
 mod cells;
 mod channels;
@@ -36,6 +35,7 @@ mod coverage;
 mod error;
 pub mod files;
 mod fill;
+mod flat;
 mod fragment;
 mod job;
 mod model;

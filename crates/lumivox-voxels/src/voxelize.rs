@@ -6,16 +6,16 @@ use std::sync::{Mutex, PoisonError};
 use glam::IVec3;
 use rayon::prelude::*;
 
-use crate::binning::{self, Bins};
-use crate::blocks::BlockWorker;
+use crate::binning::{self, Bins, Budget};
 use crate::cells::{Batch, Worker};
 use crate::coverage::CellBox;
 use crate::fill;
+use crate::flat::{BLOCK_SHIFT, BlockWorker, ChunkWorker, Part};
 use crate::job::{Chunk, Job};
 use crate::options::{Stage, VoxelizeOptions};
 use crate::packet::Packet;
 use crate::plan;
-use crate::sparse::{BrickSet, ChannelData, Mask, SIDE, brick_of, bricks_along};
+use crate::sparse::{BrickSet, ChannelData, Mask, SHIFT, SIDE, brick_index, brick_of, bricks_along};
 use crate::{Model, SparseVolume, VoxelizeError, VoxelizeReport};
 
 /// Least work of a task, in triangles of bricks.
@@ -71,14 +71,20 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
 /// Works out the bricks of a slab and appends them; returns the number of skipped triangles. A slab whose lists do not
 /// fit into a quarter of the memory is halved: large triangles that cross in many bricks.
 fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> Result<u64, VoxelizeError> {
-    // A pair of triangle and brick takes eight bytes while it is made and four more when it is sorted.
-    let budget = job.memory_limit() / 4 / 12;
-    let pairs = AtomicU64::new(0);
+    let budget = Budget::new(job.memory_limit());
+    let idle = Idle::default();
     let done = AtomicU64::new(0);
     let bins: Result<Option<Vec<Bins>>, VoxelizeError> = chunks
         .par_iter()
         .map(|chunk| {
-            let bins = binning::bin(job, chunk, bricks, &pairs, budget);
+            let bins = if job.is_flat {
+                let mut worker = idle.take(|| ChunkWorker::new(job));
+                let bins = worker.bin(job, chunk, bricks, &budget);
+                idle.put(worker);
+                bins
+            } else {
+                binning::bin(job, chunk, bricks, &budget)
+            };
             let count = u64::from(chunk.triangles.end - chunk.triangles.start);
             let done = done.fetch_add(count, Ordering::Relaxed) + count;
             job.report(Stage::Binning, done, job.triangle_count()).map(|()| bins)
@@ -91,7 +97,7 @@ fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> 
     }
     let middle = (bricks.low.z + bricks.high.z) / 2;
     if middle == bricks.high.z {
-        return Err(job.too_large(4 * 12 * pairs.load(Ordering::Relaxed)));
+        return Err(job.too_large(budget.needed()));
     }
     let lower = CellBox { high: bricks.high.with_z(middle), ..*bricks };
     let upper = CellBox { low: bricks.low.with_z(middle + 1), ..*bricks };
@@ -100,23 +106,67 @@ fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> 
     Ok(skipped)
 }
 
+/// What threads work with, as many as there are threads.
+struct Idle<T>(Mutex<Vec<T>>);
+
+impl<T> Default for Idle<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Idle<T> {
+    fn take(&self, new: impl FnOnce() -> T) -> T {
+        let idle = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        idle.unwrap_or_else(new)
+    }
+
+    fn put(&self, worker: T) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
+    }
+}
+
 /// What one chunk knows about one brick.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Segment {
     brick: u32,
     chunk: u32,
     number: u32,
+    /// Whether it is of sums.
+    is_summed: bool,
+}
+
+impl Segment {
+    /// Of chunk number `chunk`.
+    fn all<'b>(job: &'b Job<'_>, chunk: usize, bins: &'b Bins) -> impl Iterator<Item = Self> + 'b {
+        let chunk = chunk as u32;
+        let (along, blocks) = (bricks_along(job.dims()), job.along());
+        let lists = bins.bricks.iter().enumerate();
+        let lists =
+            lists.map(move |(n, &brick)| Self { brick, chunk, number: n as u32, is_summed: false });
+        let sums = (0..bins.sums.len()).map(move |n| {
+            let block = brick_of(along, bins.sums.get(n).brick) >> (BLOCK_SHIFT - SHIFT);
+            Self { brick: brick_index(blocks, block), chunk, number: n as u32, is_summed: true }
+        });
+        lists.chain(sums)
+    }
+
+    /// How much there is to do, in triangles.
+    fn work(&self, bins: &Bins) -> usize {
+        if self.is_summed {
+            1 + bins.sums.get(self.number as usize).sums.len() / 8
+        } else {
+            8 + bins.items(self.number).len()
+        }
+    }
 }
 
 /// Gathers the bins of all chunks brick by brick and works the bricks out.
 fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> Result<(), VoxelizeError> {
-    let mut segments: Vec<Segment> = Vec::with_capacity(bins.iter().map(|b| b.bricks.len()).sum());
+    let mut segments: Vec<Segment> =
+        Vec::with_capacity(bins.iter().map(|b| b.bricks.len() + b.sums.len()).sum());
     for (chunk, bins) in bins.iter().enumerate() {
-        segments.extend(bins.bricks.iter().enumerate().map(|(number, &brick)| Segment {
-            brick,
-            chunk: chunk as u32,
-            number: number as u32,
-        }));
+        segments.extend(Segment::all(job, chunk, bins));
     }
     segments.par_sort_unstable();
     let mut tasks: Vec<&[Segment]> = Vec::new();
@@ -125,8 +175,7 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
     let mut end = 0;
     while end < rest.len() {
         let segment = rest[end];
-        let bins = &bins[segment.chunk as usize];
-        work += 8 + bins.items(segment.number).len();
+        work += segment.work(&bins[segment.chunk as usize]);
         end += 1;
         let is_last = rest.get(end).is_none_or(|next| next.brick != segment.brick);
         if is_last && (work >= TASK || end == rest.len()) {
@@ -136,8 +185,7 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
         }
     }
     let (done, total) = (AtomicU64::new(0), segments.len() as u64);
-    // What blocks are worked on with: as many as there are threads.
-    let idle = Mutex::new(Vec::new());
+    let idle = Idle::default();
     let packets: Result<Vec<Packet>, VoxelizeError> = tasks
         .par_iter()
         .map(|task| {
@@ -166,17 +214,19 @@ fn flat_packet<'a>(
     chunks: &[Chunk],
     bins: &[Bins],
     segments: &[Segment],
-    idle: &Mutex<Vec<BlockWorker<'a>>>,
+    idle: &Idle<BlockWorker<'a>>,
 ) -> Packet {
     let mut packet = Packet::new(job);
-    let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
-    let worker = idle().pop();
-    let mut worker = worker.unwrap_or_else(|| BlockWorker::new(job));
+    let mut worker = idle.take(|| BlockWorker::new(job));
     for same_block in segments.chunk_by(|a, b| a.brick == b.brick) {
-        let batches: Vec<Batch<'_>> = same_block.iter().map(|segment| batch(chunks, bins, segment)).collect();
-        worker.block(brick_of(job.along(), same_block[0].brick), &batches, &mut packet);
+        let part = |segment: &Segment| match segment.is_summed {
+            true => Part::Sums(bins[segment.chunk as usize].sums.get(segment.number as usize)),
+            false => Part::Triangles(batch(chunks, bins, segment)),
+        };
+        let parts: Vec<Part<'_>> = same_block.iter().map(part).collect();
+        worker.block(brick_of(job.along(), same_block[0].brick), &parts, &mut packet);
     }
-    idle().push(worker);
+    idle.put(worker);
     packet
 }
 

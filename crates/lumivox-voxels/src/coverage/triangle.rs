@@ -31,6 +31,11 @@ impl CellBox {
     pub(crate) fn coarser(&self, shift: u32) -> Self {
         Self { low: self.low >> shift as i32, high: self.high >> shift as i32 }
     }
+
+    /// The cells in bricks, or pages of any other power of two.
+    pub(crate) fn finer(&self, shift: u32) -> Self {
+        Self { low: self.low << shift as i32, high: ((self.high + 1) << shift as i32) - 1 }
+    }
 }
 
 /// A triangle in units of cells, with the cells around it.

@@ -30,6 +30,15 @@ pub(crate) fn count(mask: &Mask) -> u32 {
     mask.iter().map(|word| word.count_ones()).sum()
 }
 
+/// The bits of a word that are set, in order.
+pub(crate) fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (word != 0).then(|| word.trailing_zeros())?;
+        word &= word - 1;
+        Some(bit as usize)
+    })
+}
+
 /// Bricks of one y and z: neighbours along x.
 #[derive(Clone, Debug)]
 struct Row {

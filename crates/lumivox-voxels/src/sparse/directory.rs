@@ -62,6 +62,14 @@ impl Directory {
         *number
     }
 
+    /// Forgets a brick. `brick` must lie in the grid.
+    pub(crate) fn remove(&mut self, brick: UVec3) {
+        let (top, entry) = self.place(brick);
+        if let Some(page) = self.pages.get_mut(self.top[top] as usize) {
+            page[entry] = NONE;
+        }
+    }
+
     /// Bytes of memory in use.
     pub(crate) fn bytes(&self) -> u64 {
         (self.top.len() * 4 + self.pages.len() * ENTRIES * 4) as u64

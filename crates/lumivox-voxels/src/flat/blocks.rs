@@ -1,28 +1,31 @@
-//! Blocks of flat triangles, all of one colour, to cells and their values.
-//!
-//! To find the cells of such a triangle takes as long as to sum what it leaves there. So each is looked at once for a
-//! block of 32 x 32 x 32 cells, of which a surface touches few enough that their sums stay in a processor's cache: an
-//! area and an area times a normal for each cell, as integers, so that no order matters.
+//! Blocks of cells: what chunks have summed, and the triangles that they have not.
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
+use super::{BrickSums, LONGEST, for_each_piece};
 use crate::areas::Areas;
 use crate::cells::{Batch, SHARE};
 use crate::channels::{FlatPiece, FlatWriter, to_f64};
-use crate::coverage::{CellBox, Coverage};
-use crate::job::{Job, Reached};
+use crate::coverage::CellBox;
+use crate::job::Job;
 use crate::packet::Packet;
-use crate::sparse::{CELLS, Mask, SHIFT, SIDE, brick_index, bricks_along};
-use crate::surface::{Face, FlatFace};
+use crate::sparse::{CELLS, Mask, SHIFT, SIDE, bits, brick_index, brick_of, bricks_along};
+use crate::surface::Face;
 
 /// Cell coordinates shifted by this are block coordinates.
 pub(crate) const BLOCK_SHIFT: u32 = 5;
 /// Bricks along each axis of a block, and in it.
 const BRICKS_ALONG: u32 = 1 << (BLOCK_SHIFT - SHIFT);
 const BRICKS: usize = (BRICKS_ALONG * BRICKS_ALONG * BRICKS_ALONG) as usize;
-/// Sums are put aside before their normals could overflow: at 256 cell faces.
-const LONGEST: i64 = 1 << 30;
+
+/// What one chunk has of a block.
+#[derive(Clone, Copy)]
+pub(crate) enum Part<'a> {
+    Triangles(Batch<'a>),
+    /// Of one of its bricks.
+    Sums(BrickSums<'a>),
+}
 
 /// What a thread works with.
 pub(crate) struct BlockWorker<'a> {
@@ -56,13 +59,20 @@ impl<'a> BlockWorker<'a> {
     }
 
     /// Works out a block and appends its bricks.
-    pub(crate) fn block(&mut self, block: UVec3, batches: &[Batch<'_>], packet: &mut Packet) {
+    pub(crate) fn block(&mut self, block: UVec3, parts: &[Part<'_>], packet: &mut Packet) {
+        let mut batches = Vec::new();
+        for part in parts {
+            match part {
+                Part::Triangles(batch) => batches.push(*batch),
+                Part::Sums(sums) => self.add_all(sums),
+            }
+        }
         let count: usize = batches.iter().map(|batch| batch.triangles.len()).sum();
         // A worker's sums are a megabyte: sharing pays only where a thread would else be left with more than half of its part.
         let threads = rayon::current_num_threads();
         let fair = self.job.triangle_count() as usize / (2 * threads);
         if threads > 1 && count > fair.max(2 * SHARE) {
-            self.shared(block, batches);
+            self.shared(block, &batches);
         } else {
             batches.iter().for_each(|batch| self.batch(block, batch));
         }
@@ -99,27 +109,23 @@ impl<'a> BlockWorker<'a> {
         let cells = cells.intersection(&CellBox::of_grid(job.dims()));
         let Some(face) = Face::flat(job, batch.mesh) else { return };
         let mut areas = std::mem::take(&mut self.areas);
-        let is_exact = job.coverage == Coverage::Exact;
         for &number in batch.triangles {
-            let Some(reach) = job.reach(batch.mesh, number) else { continue };
-            if let (true, Reached::One(cell)) = (is_exact, &reach) {
-                // Listed here, so that it is here.
-                let cell = cell.cell();
-                let normal = job.triangle(batch.mesh, number, CellBox { low: cell, high: cell }).normal();
-                if let Some(direction) = face.direction_of(number, normal, job.asked.normal) {
-                    self.add(place(cell - low), &FlatFace::whole(normal, direction));
-                }
-                continue;
+            if let Some(reach) = job.reach(batch.mesh, number) {
+                let triangle = (batch.mesh, number);
+                for_each_piece(job, &mut areas, &face, triangle, &reach, &cells, |cell, piece| {
+                    self.add(place(cell - low), piece);
+                });
             }
-            let triangle = job.triangle(batch.mesh, number, reach.cells());
-            let normal = triangle.normal();
-            let Some(direction) = face.direction_of(number, normal, job.asked.normal) else { continue };
-            let face = FlatFace::new(normal, direction);
-            areas.for_each(job.coverage, &triangle, (normal, face.length), &cells, |cell, area| {
-                self.add(place(cell - low), &face.piece(area));
-            });
         }
         self.areas = areas;
+    }
+
+    /// Adds what a chunk has summed.
+    fn add_all(&mut self, part: &BrickSums<'_>) {
+        let brick = brick_of(bricks_along(self.job.dims()), part.brick) % BRICKS_ALONG;
+        let first = CELLS * (brick.x + BRICKS_ALONG * (brick.y + BRICKS_ALONG * brick.z)) as usize;
+        let places = part.mask.iter().enumerate().flat_map(|(z, &word)| bits(word).map(move |bit| 64 * z + bit));
+        places.zip(part.sums).for_each(|(place, sum)| self.add(first + place, &FlatPiece(*sum)));
     }
 
     /// Adds a piece to the cell at a place, and marks it.
@@ -132,7 +138,7 @@ impl<'a> BlockWorker<'a> {
             *sum = piece.0;
             return;
         }
-        if sum[0] >= LONGEST {
+        if sum[0] + piece.0[0] >= LONGEST {
             self.aside.push((place as u32, FlatPiece(*sum)));
             *sum = [0; 4];
         }
@@ -188,13 +194,4 @@ fn place(cell: IVec3) -> usize {
     let IVec3 { x, y, z } = cell;
     let brick = x >> 3 | (y >> 3) << 2 | (z >> 3) << 4;
     (brick << 9 | (x & 7) | (y & 7) << 3 | (z & 7) << 6) as usize
-}
-
-/// The bits that are set, in order.
-fn bits(mut word: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = (word != 0).then(|| word.trailing_zeros())?;
-        word &= word - 1;
-        Some(bit as usize)
-    })
 }

@@ -1,0 +1,170 @@
+//! Sums of a few bricks at a time, for triangles that come in neighbourhoods.
+
+use glam::{IVec3, UVec3};
+
+use super::LONGEST;
+use crate::channels::FlatPiece;
+use crate::sparse::{CELLS, Directory, Mask, SHIFT, SIDE, bits, brick_index, bricks_along};
+
+/// Bricks and cells at a time: their sums stay in a processor's cache.
+const MOST_BRICKS: usize = 512;
+const MOST_CELLS: usize = 1 << 14;
+/// Cells per brick below which triangles are not neighbours.
+const DENSE: usize = 4;
+/// Slot of a cell that has no sum; a triangle cannot bring as many.
+const NONE: u16 = u16::MAX;
+
+/// Sums of the marked cells of some bricks, in the order in which they were marked.
+#[derive(Debug)]
+pub(super) struct CellSums {
+    along: UVec3,
+    directory: Directory,
+    bricks: Vec<IVec3>,
+    masks: Vec<Mask>,
+    /// Of each cell of each brick.
+    slots: Vec<[u16; CELLS]>,
+    sums: Vec<[i64; 4]>,
+    /// Sums that are as long as may be, the bricks and the cells they belong to.
+    aside: Vec<(IVec3, usize, [i64; 4])>,
+    last: (IVec3, u32),
+}
+
+const NOWHERE: (IVec3, u32) = (IVec3::splat(-1), 0);
+
+impl CellSums {
+    pub(super) fn new(dims: UVec3) -> Self {
+        let along = bricks_along(dims);
+        Self {
+            along,
+            directory: Directory::new(along),
+            bricks: Vec::new(),
+            masks: Vec::new(),
+            slots: Vec::new(),
+            sums: Vec::new(),
+            aside: Vec::new(),
+            last: NOWHERE,
+        }
+    }
+
+    /// Adds a piece to a cell of the grid.
+    #[inline(always)]
+    pub(super) fn add(&mut self, cell: IVec3, piece: &FlatPiece) {
+        let brick = cell >> SHIFT;
+        if brick != self.last.0 {
+            self.seek(brick);
+        }
+        let local = cell & (SIDE as i32 - 1);
+        let place = (local.x | local.y << SHIFT | local.z << (2 * SHIFT)) as usize;
+        let slot = self.slots[self.last.1 as usize][place];
+        match self.sums.get_mut(usize::from(slot)) {
+            Some(sum) if sum[0] + piece.0[0] < LONGEST => {
+                sum.iter_mut().zip(piece.0).for_each(|(sum, number)| *sum += number);
+            }
+            _ => self.insert(place, piece),
+        }
+    }
+
+    /// Not inlined, as there are many places where pieces are added.
+    #[inline(never)]
+    fn seek(&mut self, brick: IVec3) {
+        let new = self.bricks.len() as u32;
+        let number = self.directory.get_or_insert(brick.as_uvec3(), new);
+        if number == new {
+            self.bricks.push(brick);
+            self.masks.push([0; SIDE as usize]);
+            self.slots.push([NONE; CELLS]);
+        }
+        self.last = (brick, number);
+    }
+
+    /// The first piece of a cell, or one that its sum has no room for.
+    #[inline(never)]
+    fn insert(&mut self, place: usize, piece: &FlatPiece) {
+        let (brick, number) = self.last;
+        let slot = &mut self.slots[number as usize][place];
+        if let Some(sum) = self.sums.get_mut(usize::from(*slot)) {
+            self.aside.push((brick, place, std::mem::replace(sum, piece.0)));
+            return;
+        }
+        *slot = self.sums.len() as u16;
+        self.sums.push(piece.0);
+        self.masks[number as usize][place >> 6] |= 1 << (place & 63);
+    }
+
+    /// Whether it is time to flush. What one small triangle adds fits in any case.
+    pub(super) fn is_full(&self) -> bool {
+        self.bricks.len() >= MOST_BRICKS || self.sums.len() >= MOST_CELLS
+    }
+
+    /// Whether most bricks have had more than a triangle or two.
+    pub(super) fn is_dense(&self) -> bool {
+        self.sums.len() >= DENSE * self.bricks.len()
+    }
+
+    /// Appends all sums to a list, and starts anew.
+    pub(super) fn flush(&mut self, list: &mut SumList) {
+        list.sums.reserve(self.sums.len() + self.aside.len());
+        for ((&brick, mask), slots) in self.bricks.iter().zip(&self.masks).zip(&self.slots) {
+            list.begin(brick_index(self.along, brick.as_uvec3()), *mask);
+            for (z, &word) in mask.iter().enumerate() {
+                list.sums.extend(bits(word).map(|bit| self.sums[usize::from(slots[64 * z + bit])]));
+            }
+        }
+        for &(brick, place, sum) in &self.aside {
+            let mut mask = [0; SIDE as usize];
+            mask[place >> 6] = 1 << (place & 63);
+            list.begin(brick_index(self.along, brick.as_uvec3()), mask);
+            list.sums.push(sum);
+        }
+        self.clear();
+    }
+
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        self.bricks.iter().for_each(|brick| self.directory.remove(brick.as_uvec3()));
+        self.bricks.clear();
+        self.masks.clear();
+        self.slots.clear();
+        self.sums.clear();
+        self.aside.clear();
+        self.last = NOWHERE;
+    }
+}
+
+/// Sums of some bricks, of which some may come several times.
+#[derive(Debug, Default)]
+pub(crate) struct SumList {
+    bricks: Vec<(u32, u32)>,
+    masks: Vec<Mask>,
+    sums: Vec<[i64; 4]>,
+}
+
+/// The sums of a brick's marked cells, in the order of their bits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BrickSums<'a> {
+    pub(crate) brick: u32,
+    pub(crate) mask: &'a Mask,
+    pub(crate) sums: &'a [[i64; 4]],
+}
+
+impl SumList {
+    fn begin(&mut self, brick: u32, mask: Mask) {
+        self.bricks.push((brick, self.sums.len() as u32));
+        self.masks.push(mask);
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.bricks.len()
+    }
+
+    pub(crate) fn get(&self, n: usize) -> BrickSums<'_> {
+        let (brick, first) = self.bricks[n];
+        let end = self.bricks.get(n + 1).map_or(self.sums.len(), |next| next.1 as usize);
+        BrickSums { brick, mask: &self.masks[n], sums: &self.sums[first as usize..end] }
+    }
+
+    /// Bytes of memory in use.
+    pub(super) fn bytes(&self) -> u64 {
+        (size_of_val(&self.bricks[..]) + size_of_val(&self.masks[..]) + size_of_val(&self.sums[..])) as u64
+    }
+}
