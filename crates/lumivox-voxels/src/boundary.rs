@@ -61,7 +61,7 @@ fn edges(job: &Job<'_>) -> (Vec<DVec3>, Vec<[u32; 2]>) {
             .positions
             .iter()
             .map(|position| {
-                let place = job.corner(mesh, position);
+                let place = job.placements[mesh].corner(position);
                 // Adding zero makes one of -0 and 0.
                 let key = (place + 0.0).to_array().map(f64::to_bits);
                 *numbers.entry(key).or_insert_with(|| {

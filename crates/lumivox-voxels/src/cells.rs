@@ -201,7 +201,8 @@ impl<'a> Worker<'a> {
         direction: (DVec3, bool),
         mask: &mut Mask,
     ) {
-        let face = FlatFace::new(normal, direction);
+        let length = normal.length();
+        let face = FlatFace::new(length, direction);
         let Self { job, areas, sums, .. } = self;
         if job.coverage == Coverage::Sampled {
             let piece = face.piece(areas::under_one_sample(normal));
@@ -210,7 +211,7 @@ impl<'a> Worker<'a> {
             });
             return;
         }
-        areas.for_each(job.coverage, triangle, (normal, face.length), cells, |cell, area| {
+        areas.for_each(job.coverage, triangle, (normal, length), cells, |cell, area| {
             sums.add_flat(mark(mask, cells, cell), &face.piece(area));
         });
     }

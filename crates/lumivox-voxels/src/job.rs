@@ -3,14 +3,15 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use glam::{DAffine3, DMat3, DVec3, IVec3, Mat4, UVec3};
+use glam::{DVec3, UVec3};
 use lumivox_core::Grid;
 use rayon::prelude::*;
 
 use crate::channels::{Parts, takes_flat};
-use crate::coverage::{CellBox, Triangle, cell_of, onto_rim};
+use crate::coverage::{CellBox, Triangle};
 use crate::flat::BLOCK_SHIFT;
 use crate::options::{Progress, Stage, VoxelizeOptions};
+use crate::placement::{PackedCell, Placement};
 use crate::sparse::SHIFT;
 use crate::surface::{Asked, Face, Placed, has_flat_normals};
 use crate::{Channel, Coverage, Material, Model, VoxelizeError};
@@ -22,26 +23,6 @@ pub(crate) struct Chunk {
     pub(crate) triangles: Range<u32>,
 }
 
-/// A cell in one word, or none for a vertex that is not finite. Coordinates are one more than [`cell_of`] says, so that
-/// none is negative.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PackedCell(u64);
-
-impl PackedCell {
-    const NONE: Self = Self(u64::MAX);
-
-    fn new(cell: IVec3) -> Self {
-        let [x, y, z] = (cell + 1).as_u64vec3().to_array();
-        Self(x | y << 16 | z << 32)
-    }
-
-    #[inline]
-    pub(crate) fn cell(self) -> IVec3 {
-        let part = |shift: u32| i32::from((self.0 >> shift) as u16) - 1;
-        IVec3::new(part(0), part(16), part(32))
-    }
-}
-
 /// The cells that a triangle reaches.
 pub(crate) enum Reached {
     /// All corners lie in one cell.
@@ -51,39 +32,24 @@ pub(crate) enum Reached {
 }
 
 impl Reached {
+    /// What a triangle with corners in these cells reaches; none if one of them is not finite.
+    #[inline(always)]
+    pub(crate) fn of([a, b, c]: [PackedCell; 3]) -> Option<Self> {
+        if a == b && b == c {
+            return (a != PackedCell::NONE).then_some(Self::One(a));
+        }
+        if a == PackedCell::NONE || b == PackedCell::NONE || c == PackedCell::NONE {
+            return None;
+        }
+        let (a, b, c) = (a.cell(), b.cell(), c.cell());
+        Some(Self::Box(CellBox { low: a.min(b).min(c), high: a.max(b).max(c) }))
+    }
+
     #[inline]
     pub(crate) fn cells(&self) -> CellBox {
         match self {
             Self::One(cell) => CellBox { low: cell.cell(), high: cell.cell() },
             Self::Box(cells) => *cells,
-        }
-    }
-}
-
-/// From a mesh's own space to cells.
-enum Placement {
-    /// Meshes that stand as they are.
-    Scaled { scale: f64, offset: DVec3 },
-    /// All others.
-    Affine(DAffine3),
-}
-
-impl Placement {
-    fn new(grid_from_world: &DAffine3, world_from_local: &Mat4) -> Self {
-        if *world_from_local == Mat4::IDENTITY {
-            return Self::Scaled {
-                scale: grid_from_world.matrix3.x_axis.x,
-                offset: grid_from_world.translation,
-            };
-        }
-        Self::Affine(*grid_from_world * DAffine3::from_mat4(world_from_local.as_dmat4()))
-    }
-
-    #[inline]
-    fn apply(&self, position: DVec3) -> DVec3 {
-        match self {
-            Self::Scaled { scale, offset } => *scale * position + *offset,
-            Self::Affine(grid_from_local) => grid_from_local.transform_point3(position),
         }
     }
 }
@@ -105,13 +71,11 @@ pub(crate) struct Job<'a> {
     pub(crate) placed: Vec<Placed>,
     /// The material of triangles that name none.
     pub(crate) plain: Material<'a>,
-    placements: Vec<Placement>,
+    pub(crate) placements: Vec<Placement>,
     /// The cell of each vertex of each mesh: vertices have more triangles than one, and most of those need no more.
     vertex_cells: Vec<Vec<PackedCell>>,
     /// Whether all triangles have one colour all over, the same for all, and one normal each.
     pub(crate) is_flat: bool,
-    rim: f64,
-    snap: f64,
     options: &'a VoxelizeOptions<'a>,
     cancelled: AtomicBool,
     /// Bytes of finished bricks.
@@ -133,16 +97,9 @@ impl<'a> Job<'a> {
                 return Err(VoxelizeError::TooManyTriangles { mesh, found });
             }
         }
-        let side = f64::from(grid.cell_size);
-        let grid_from_world = DAffine3 {
-            matrix3: DMat3::from_diagonal(DVec3::splat(1.0 / side)),
-            translation: -grid.origin.as_dvec3() / side,
-        };
         let is_masked = model.materials.iter().any(|m| m.alpha_cutoff.is_some());
         let mut parts = Parts::of(&options.channels);
         parts.point |= is_masked;
-        // Half of the last bit of coordinates in f32 is 2^-13 cells in a grid of 2048.
-        let rim = (f64::from(grid.dims.max_element()) * 2f64.powi(-23)).max(1e-4);
         let mut job = Self {
             model,
             channels: &options.channels,
@@ -157,19 +114,21 @@ impl<'a> Job<'a> {
             placements: model
                 .meshes
                 .iter()
-                .map(|mesh| Placement::new(&grid_from_world, &mesh.world_from_local))
+                .map(|mesh| Placement::new(&grid, &mesh.world_from_local, options.snap))
                 .collect(),
             vertex_cells: Vec::new(),
             is_flat: false,
-            rim,
-            snap: if options.snap > 0.0 { options.snap.min(0.5) } else { 0.0 },
             options,
             cancelled: AtomicBool::new(false),
             finished_bytes: AtomicU64::new(0),
         };
         let cells = model.meshes.iter().enumerate().map(|(mesh, view)| {
             let positions = view.triangles.positions.par_iter().with_min_len(4096);
-            positions.map(|position| job.vertex_cell(mesh, position)).collect()
+            let placement = &job.placements[mesh];
+            match placement.scaled() {
+                Some(scaled) => positions.map(|p| placement.cell(scaled.corner(p))).collect(),
+                None => positions.map(|p| placement.cell(placement.corner(p))).collect(),
+            }
         });
         job.vertex_cells = cells.collect();
         job.is_flat = job.find_flat();
@@ -201,11 +160,6 @@ impl<'a> Job<'a> {
         (self.dims() + (side - 1)) / side
     }
 
-    fn vertex_cell(&self, mesh: usize, position: &[f32; 3]) -> PackedCell {
-        let corner = self.corner(mesh, position);
-        if corner.is_finite() { PackedCell::new(cell_of(corner, self.grid.dims)) } else { PackedCell::NONE }
-    }
-
     pub(crate) fn dims(&self) -> UVec3 {
         self.grid.dims
     }
@@ -234,32 +188,20 @@ impl<'a> Job<'a> {
         chunks
     }
 
-    /// A vertex in units of cells.
-    #[inline(always)]
-    pub(crate) fn corner(&self, mesh: usize, position: &[f32; 3]) -> DVec3 {
-        let corner = self.placements[mesh].apply(DVec3::from_array(position.map(f64::from)));
-        if self.snap > 0.0 {
-            let boundary = corner.round();
-            let is_near = (corner - boundary).abs().cmple(DVec3::splat(self.snap));
-            return onto_rim(DVec3::select(is_near, boundary, corner), self.grid.dims, self.rim);
-        }
-        onto_rim(corner, self.grid.dims, self.rim)
-    }
-
     /// The cells that a triangle reaches; none if it names no vertex or is not finite.
     #[inline(always)]
     pub(crate) fn reach(&self, mesh: usize, number: u32) -> Option<Reached> {
+        Reached::of(self.cells_of(mesh, number))
+    }
+
+    /// The cells of a triangle's corners.
+    #[inline(always)]
+    pub(crate) fn cells_of(&self, mesh: usize, number: u32) -> [PackedCell; 3] {
         let cells = self.vertex_cells[mesh].as_slice();
+        let cell = |n: u32| cells.get(n as usize).copied().unwrap_or(PackedCell::NONE);
+        // Written out, since `map` is a call.
         let [a, b, c] = self.model.meshes[mesh].triangles.indices[number as usize];
-        let (&a, &b, &c) = (cells.get(a as usize)?, cells.get(b as usize)?, cells.get(c as usize)?);
-        if a == b && b == c {
-            return (a != PackedCell::NONE).then_some(Reached::One(a));
-        }
-        if a == PackedCell::NONE || b == PackedCell::NONE || c == PackedCell::NONE {
-            return None;
-        }
-        let (a, b, c) = (a.cell(), b.cell(), c.cell());
-        Some(Reached::Box(CellBox { low: a.min(b).min(c), high: a.max(b).max(c) }))
+        [cell(a), cell(b), cell(c)]
     }
 
     /// A triangle in units of cells, of which [`Self::reach`] knows the reach.
@@ -267,7 +209,7 @@ impl<'a> Job<'a> {
     pub(crate) fn triangle(&self, mesh: usize, number: u32, reach: CellBox) -> Triangle {
         let view = &self.model.meshes[mesh].triangles;
         let [a, b, c] = view.indices[number as usize];
-        let at = |n: u32| self.corner(mesh, &view.positions[n as usize]);
+        let at = |n: u32| self.placements[mesh].corner(&view.positions[n as usize]);
         Triangle { corners: [at(a), at(b), at(c)], reach }
     }
 

@@ -41,6 +41,7 @@ mod job;
 mod model;
 mod options;
 mod packet;
+mod placement;
 mod plan;
 mod report;
 mod sparse;

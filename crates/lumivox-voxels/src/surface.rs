@@ -231,8 +231,6 @@ impl<'a> Face<'a> {
 /// The plane of a flat triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlatFace {
-    /// Twice its area.
-    pub(crate) length: f64,
     /// Its normal as channels see it, for each cell face of its area.
     per_area: DVec3,
     /// Anything that points like that.
@@ -240,22 +238,21 @@ pub(crate) struct FlatFace {
 }
 
 impl FlatFace {
-    /// `normal` is twice the area long, and the rest as [`Face::direction`] has it.
+    /// `length` is twice the area, and the rest as [`Face::direction`] has it.
     #[inline(always)]
-    pub(crate) fn new(normal: DVec3, (direction, is_doubled_area): (DVec3, bool)) -> Self {
-        let length = normal.length();
+    pub(crate) fn new(length: f64, (direction, is_doubled_area): (DVec3, bool)) -> Self {
         let per_area = match is_doubled_area {
             true if length > 0.0 => direction * (1.0 / length),
             true => DVec3::ZERO,
             false => direction,
         };
-        Self { length, per_area, direction }
+        Self { per_area, direction }
     }
 
     /// All of a face, with what [`Self::new`] takes.
     #[inline(always)]
-    pub(crate) fn whole(normal: DVec3, (direction, is_doubled_area): (DVec3, bool)) -> FlatPiece {
-        let area = 0.5 * normal.length();
+    pub(crate) fn whole(length: f64, (direction, is_doubled_area): (DVec3, bool)) -> FlatPiece {
+        let area = 0.5 * length;
         FlatPiece::new(area, if is_doubled_area { 0.5 * direction } else { area * direction }, direction)
     }
 

@@ -24,7 +24,7 @@ use glam::IVec3;
 
 use exact::Exact;
 pub(crate) use sampled::sample;
-pub(crate) use triangle::{CellBox, Triangle, cell_of, dominant, onto_rim};
+pub(crate) use triangle::{CellBox, Triangle, cell_of, dominant, is_inside, normal_of, onto_rim};
 
 /// Which cells a triangle marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

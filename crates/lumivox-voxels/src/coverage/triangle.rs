@@ -56,7 +56,7 @@ impl Triangle {
 
     #[cfg(test)]
     pub(crate) fn on_grid(corners: [DVec3; 3], dims: UVec3) -> Self {
-        let cells = corners.map(|corner| cell_of(corner, dims));
+        let cells = corners.map(|corner| cell_of(corner, dims.as_dvec3()));
         let reach =
             CellBox { low: cells[0].min(cells[1]).min(cells[2]), high: cells[0].max(cells[1]).max(cells[2]) };
         Self { corners, reach }
@@ -71,22 +71,33 @@ impl Triangle {
     /// A normal of twice the area's length; zero where the corners lie on a line but for rounding.
     #[inline]
     pub(crate) fn normal(&self) -> DVec3 {
-        let [e0, e1, e2] = self.edges();
-        let normal = e0.cross(e1);
-        let longest = e0.length_squared().max(e1.length_squared()).max(e2.length_squared());
-        if normal.length_squared() <= 1e-24 * longest * longest { DVec3::ZERO } else { normal }
+        normal_of(self.corners)
     }
+}
+
+/// The normal of a triangle with these corners, as [`Triangle::normal`] has it.
+#[inline]
+pub(crate) fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (e0, e1, e2) = (b - a, c - b, a - c);
+    let normal = e0.cross(e1);
+    // One instruction each, where `f64::max` is several.
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let longest = larger(larger(e0.length_squared(), e1.length_squared()), e2.length_squared());
+    if normal.length_squared() <= 1e-24 * longest * longest { DVec3::ZERO } else { normal }
+}
+
+/// Whether a corner lies on a grid of `dims` cells, told by signs: what is not a number does, and minus zero does not.
+#[inline(always)]
+pub(crate) fn is_inside(corner: DVec3, dims: DVec3) -> bool {
+    let sign = |v: DVec3| v.x.to_bits() | v.y.to_bits() | v.z.to_bits();
+    (sign(corner) | sign(dims - corner)) as i64 >= 0
 }
 
 /// A corner on a grid of `dims` cells: the grid owns its faces, and corners up to `rim` cells outside are moved onto
 /// them. Rounding of a grid's origin and cell size would else lose the sides of the very box that it was fitted to.
-#[inline]
-pub(crate) fn onto_rim(corner: DVec3, dims: UVec3, rim: f64) -> DVec3 {
-    let n = dims.as_dvec3();
-    if corner.cmpge(DVec3::ZERO).all() && corner.cmple(n).all() {
-        return corner;
-    }
-    let onto = corner.max(DVec3::ZERO).min(n);
+#[cold]
+pub(crate) fn onto_rim(corner: DVec3, dims: DVec3, rim: f64) -> DVec3 {
+    let onto = corner.max(DVec3::ZERO).min(dims);
     DVec3::select((corner - onto).abs().cmple(DVec3::splat(rim)), onto, corner)
 }
 
@@ -96,9 +107,8 @@ pub(crate) fn onto_rim(corner: DVec3, dims: UVec3, rim: f64) -> DVec3 {
 /// Cutting off at one beyond keeps apart what is inside and what is not, so that a triangle that reaches into the grid
 /// still shows on which axes it spans more than one cell.
 #[inline]
-pub(crate) fn cell_of(corner: DVec3, dims: UVec3) -> IVec3 {
-    let along = |x: f64, n: u32| {
-        let n = f64::from(n);
+pub(crate) fn cell_of(corner: DVec3, dims: DVec3) -> IVec3 {
+    let along = |x: f64, n: f64| {
         if x >= 0.0 && x < n {
             x as i32
         } else if x == n {
@@ -151,7 +161,7 @@ mod tests {
 
     #[test]
     fn grids_own_their_faces_and_what_rounding_pushes_out() {
-        let dims = UVec3::splat(4);
+        let dims = DVec3::splat(4.0);
         let cell = |x: f64| cell_of(onto_rim(DVec3::new(x, 0.5, 3.5), dims, 1e-4), dims);
         for (x, expected) in
             [(-5e-5, 0), (-5e-4, -1), (-9.0, -1), (1.0, 1), (4.0, 3), (4.000_05, 3), (4.000_5, 4), (1e30, 4)]

@@ -3,12 +3,12 @@
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::{BrickSums, LONGEST, for_each_piece};
+use super::{BrickSums, Flat, LONGEST, for_each_piece};
 use crate::areas::Areas;
 use crate::cells::{Batch, SHARE};
 use crate::channels::{FlatPiece, FlatWriter, to_f64};
 use crate::coverage::CellBox;
-use crate::job::Job;
+use crate::job::{Job, Reached};
 use crate::packet::Packet;
 use crate::sparse::{CELLS, Mask, SHIFT, SIDE, bits, brick_index, brick_of, bricks_along};
 use crate::surface::Face;
@@ -108,11 +108,13 @@ impl<'a> BlockWorker<'a> {
         let cells = CellBox { low, high: low + ((1 << BLOCK_SHIFT) - 1) };
         let cells = cells.intersection(&CellBox::of_grid(job.dims()));
         let Some(face) = Face::flat(job, batch.mesh) else { return };
+        let placement = &job.placements[batch.mesh];
         let mut areas = std::mem::take(&mut self.areas);
         for &number in batch.triangles {
-            if let Some(reach) = job.reach(batch.mesh, number) {
-                let triangle = (batch.mesh, number);
-                for_each_piece(job, &mut areas, &face, triangle, &reach, &cells, |cell, piece| {
+            let flat = Flat::new(job, batch.mesh, number, |p| placement.corner(p));
+            if let Some(reach) = Reached::of(flat.cells) {
+                let triangle = (number, &reach, &flat);
+                for_each_piece(job, &mut areas, &face, triangle, &cells, |cell, piece| {
                     self.add(place(cell - low), piece);
                 });
             }

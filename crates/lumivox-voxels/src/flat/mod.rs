@@ -11,13 +11,14 @@ mod cells;
 
 use std::sync::atomic::Ordering;
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 
 use crate::areas::Areas;
 use crate::binning::{Bins, Budget, Builder};
 use crate::channels::FlatPiece;
-use crate::coverage::{CellBox, Coverage};
+use crate::coverage::{CellBox, Coverage, Triangle, normal_of};
 use crate::job::{Chunk, Job, Reached};
+use crate::placement::PackedCell;
 use crate::surface::{Face, FlatFace};
 pub(crate) use blocks::{BLOCK_SHIFT, BlockWorker, Part};
 use cells::CellSums;
@@ -55,14 +56,16 @@ impl ChunkWorker {
         let mut list = SumList::default();
         let mut skipped = 0;
         let mut sums_here = budget.has_room_for_sums();
+        let mut ahead = Ahead::new();
         for number in chunk.triangles.clone() {
-            let Some(reach) = job.reach(chunk.mesh, number) else {
+            let flat = ahead.get(job, chunk, number);
+            let Some(reach) = Reached::of(flat.cells) else {
                 skipped += 1;
                 continue;
             };
             if sums_here && is_small(&reach) {
-                let triangle = (chunk.mesh, number);
-                for_each_piece(job, areas, &face, triangle, &reach, &cells, |cell, piece| sums.add(cell, piece));
+                let triangle = (number, &reach, flat);
+                for_each_piece(job, areas, &face, triangle, &cells, |cell, piece| sums.add(cell, piece));
                 if sums.is_full() {
                     // Neighbours that are far apart are better sorted.
                     sums_here = sums.is_dense();
@@ -84,6 +87,64 @@ impl ChunkWorker {
     }
 }
 
+/// How many triangles are fetched at a time.
+const AHEAD: usize = 64;
+
+/// A flat triangle.
+#[derive(Clone, Copy)]
+struct Flat {
+    cells: [PackedCell; 3],
+    corners: [DVec3; 3],
+    normal: DVec3,
+    length: f64,
+}
+
+impl Flat {
+    const NONE: Self =
+        Self { cells: [PackedCell::NONE; 3], corners: [DVec3::ZERO; 3], normal: DVec3::ZERO, length: 0.0 };
+
+    #[inline(always)]
+    fn new(job: &Job<'_>, mesh: usize, number: u32, corner: impl Fn(&[f32; 3]) -> DVec3) -> Self {
+        let view = &job.model.meshes[mesh].triangles;
+        let at = |n: u32| corner(view.positions.get(n as usize).unwrap_or(&[0.0; 3]));
+        let [a, b, c] = view.indices[number as usize];
+        let corners = [at(a), at(b), at(c)];
+        let normal = normal_of(corners);
+        Self { cells: job.cells_of(mesh, number), corners, normal, length: normal.length() }
+    }
+}
+
+/// Triangles that come next. Vertices are in no order that a processor foresees: so many are fetched in one go that it
+/// waits for all of them together.
+struct Ahead([Flat; AHEAD]);
+
+impl Ahead {
+    fn new() -> Self {
+        Self([Flat::NONE; AHEAD])
+    }
+
+    /// Triangles must come one after the other.
+    #[inline(always)]
+    fn get(&mut self, job: &Job<'_>, chunk: &Chunk, number: u32) -> &Flat {
+        let n = (number - chunk.triangles.start) as usize % AHEAD;
+        if n == 0 {
+            self.fetch(job, chunk, number);
+        }
+        &self.0[n]
+    }
+
+    #[inline(never)]
+    fn fetch(&mut self, job: &Job<'_>, chunk: &Chunk, first: u32) {
+        let mesh = chunk.mesh;
+        let all = (first..chunk.triangles.end).zip(&mut self.0);
+        let placement = &job.placements[mesh];
+        match placement.scaled() {
+            Some(scaled) => all.for_each(|(n, flat)| *flat = Flat::new(job, mesh, n, |p| scaled.corner(p))),
+            None => all.for_each(|(n, flat)| *flat = Flat::new(job, mesh, n, |p| placement.corner(p))),
+        }
+    }
+}
+
 fn is_small(reach: &Reached) -> bool {
     match reach {
         Reached::One(_) => true,
@@ -99,23 +160,22 @@ fn for_each_piece(
     job: &Job<'_>,
     areas: &mut Areas,
     face: &Face<'_>,
-    (mesh, number): (usize, u32),
-    reach: &Reached,
+    (number, reach, flat): (u32, &Reached, &Flat),
     cells: &CellBox,
     mut add: impl FnMut(IVec3, &FlatPiece),
 ) {
-    let triangle = job.triangle(mesh, number, reach.cells());
-    let normal = triangle.normal();
+    let (normal, length) = (flat.normal, flat.length);
     let Some(direction) = face.direction_of(number, normal, job.asked.normal) else { return };
     if let (Coverage::Exact, Reached::One(cell)) = (job.coverage, reach) {
         let cell = cell.cell();
         if cells.contains(cell) {
-            add(cell, &FlatFace::whole(normal, direction));
+            add(cell, &FlatFace::whole(length, direction));
         }
         return;
     }
-    let face = FlatFace::new(normal, direction);
-    let plane = (normal, face.length);
+    let triangle = Triangle { corners: flat.corners, reach: reach.cells() };
+    let face = FlatFace::new(length, direction);
+    let plane = (normal, length);
     if is_small(reach) {
         let all = CellBox::of_grid(job.dims());
         areas.for_each(job.coverage, &triangle, plane, &all, |cell, area| {
