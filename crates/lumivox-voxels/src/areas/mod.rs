@@ -1,5 +1,6 @@
 //! Areas of the parts of a triangle in the cells that it marks.
 
+mod octants;
 mod quarters;
 mod sweep;
 #[cfg(test)]
@@ -9,6 +10,7 @@ use glam::{DVec3, IVec3};
 
 use crate::coverage::{self, CellBox, Coverage, Triangle, dominant};
 use crate::fragment::share_above;
+use octants::Octants;
 use quarters::Quarters;
 use sweep::Sweep;
 
@@ -86,6 +88,13 @@ impl Areas {
             && let Some(quarters) = Quarters::of(triangle, normal, cells)
         {
             found.extend(cells.iter().map(|&cell| 0.5 * length * quarters.share(cell)));
+            return;
+        }
+        if coverage == Coverage::Exact
+            && triangle.reach.intersection(within) == triangle.reach
+            && let Some(octants) = Octants::of(triangle, normal, cells)
+        {
+            found.extend(cells.iter().map(|&cell| 0.5 * length * octants.share(cell)));
             return;
         }
         sweep.run(triangle, (normal, length), within);

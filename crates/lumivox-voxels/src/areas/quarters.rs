@@ -32,7 +32,6 @@ impl Quarters {
             _ => return None,
         };
         let [p, q] = axes;
-        let facing = normal[3 - p - q];
         let high = [high[p], high[q]];
         let beyond_p = share_beyond(triangle, p, high[0]);
         let beyond_q = share_beyond(triangle, q, high[1]);
@@ -43,10 +42,8 @@ impl Quarters {
             [1, 2, 3] => beyond_p,
             [2, 1, 3] => beyond_q,
             [2, 2, 3] => beyond_p + beyond_q - 1.0,
-            [2, 2, 4] if facing.abs() > FACING * normal.abs().max_element() => {
-                let edge = DVec2::new(f64::from(high[0]), f64::from(high[1]));
-                let corners = triangle.corners.map(|corner| DVec2::new(corner[p], corner[q]) - edge);
-                (2.0 / facing * quarter(corners)).min(beyond_p.min(beyond_q)).max(0.0)
+            [2, 2, 4] => {
+                quarter_along(triangle, normal, 3 - p - q, high)?.min(beyond_p.min(beyond_q)).max(0.0)
             }
             _ => return None,
         };
@@ -60,6 +57,18 @@ impl Quarters {
         let [p, q] = self.axes;
         self.shares[usize::from(cell[q] >= self.high[1])][usize::from(cell[p] >= self.high[0])]
     }
+}
+
+/// The share of a triangle beyond both boundaries `high` of the two axes that follow `axis`; none if it does not face
+/// `axis` well.
+#[inline]
+pub(super) fn quarter_along(triangle: &Triangle, normal: DVec3, axis: usize, high: [i32; 2]) -> Option<f64> {
+    let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+    let edge = DVec2::new(f64::from(high[0]), f64::from(high[1]));
+    let flat = |corner: DVec3| DVec2::new(corner[p], corner[q]) - edge;
+    let [a, b, c] = triangle.corners;
+    let faces = normal[axis].abs() > FACING * normal.abs().max_element();
+    faces.then(|| 2.0 / normal[axis] * quarter([flat(a), flat(b), flat(c)]))
 }
 
 /// The area of a triangle where no coordinate is negative, with a sign: what lies there to the left of each edge
