@@ -83,7 +83,7 @@ impl Areas {
         if triangle.reach.intersection(within).is_empty() {
             return;
         }
-        coverage::walk(coverage, triangle, within, &mut |cell| cells.push(cell));
+        coverage::walk_facing(coverage, triangle, || normal, within, &mut |cell| cells.push(cell));
         if coverage == Coverage::Exact
             && let Some(quarters) = Quarters::of(triangle, normal, cells)
         {

@@ -20,7 +20,7 @@ mod sampled;
 mod thin;
 mod triangle;
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 
 use exact::Exact;
 pub(crate) use sampled::sample;
@@ -41,9 +41,21 @@ pub enum Coverage {
 /// Calls `mark` for each cell of `within` that the triangle marks.
 #[inline]
 pub(crate) fn walk(coverage: Coverage, triangle: &Triangle, within: &CellBox, mark: &mut impl FnMut(IVec3)) {
+    walk_facing(coverage, triangle, || triangle.normal(), within, mark);
+}
+
+/// The same for a triangle whose normal is there.
+#[inline]
+pub(crate) fn walk_facing(
+    coverage: Coverage,
+    triangle: &Triangle,
+    normal: impl FnOnce() -> DVec3,
+    within: &CellBox,
+    mark: &mut impl FnMut(IVec3),
+) {
     match coverage {
-        Coverage::Exact => overlap::walk::<Exact>(triangle, within, mark),
-        Coverage::Thin => overlap::walk::<thin::Thin>(triangle, within, mark),
+        Coverage::Exact => overlap::walk::<Exact>(triangle, normal, within, mark),
+        Coverage::Thin => overlap::walk::<thin::Thin>(triangle, normal, within, mark),
         Coverage::Sampled => sampled::walk(triangle, within, mark),
     }
 }

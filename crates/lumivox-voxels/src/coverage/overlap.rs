@@ -35,7 +35,12 @@ pub(crate) trait Reach {
 
 /// Calls `mark` for each cell of `within` that the triangle marks.
 #[inline]
-pub(crate) fn walk<R: Reach>(triangle: &Triangle, within: &CellBox, mark: &mut impl FnMut(IVec3)) {
+pub(crate) fn walk<R: Reach>(
+    triangle: &Triangle,
+    normal: impl FnOnce() -> DVec3,
+    within: &CellBox,
+    mark: &mut impl FnMut(IVec3),
+) {
     let CellBox { low, high } = triangle.reach.intersection(within);
     let mut facing = None;
     if R::TOUCHES {
@@ -61,7 +66,7 @@ pub(crate) fn walk<R: Reach>(triangle: &Triangle, within: &CellBox, mark: &mut i
             _ => layer::<R, 2>(triangle, low, high, mark),
         };
     }
-    let normal = triangle.normal();
+    let normal = normal();
     let extent = high - low + 1;
     if extent.max_element() <= SMALL {
         return block::<R>(triangle, normal, low, high, mark);

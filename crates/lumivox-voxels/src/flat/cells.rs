@@ -9,8 +9,8 @@ use crate::sparse::{CELLS, Directory, Mask, SHIFT, SIDE, bits, brick_index, bric
 /// Bricks and cells at a time: their sums stay in a processor's cache.
 const MOST_BRICKS: usize = 512;
 const MOST_CELLS: usize = 1 << 14;
-/// Cells per brick below which triangles are not neighbours.
-const DENSE: usize = 4;
+/// Pieces per cell below which sums do not pay.
+const PAYS: usize = 2;
 /// Slot of a cell that has no sum; a triangle cannot bring as many.
 const NONE: u16 = u16::MAX;
 
@@ -24,12 +24,24 @@ pub(super) struct CellSums {
     /// Of each cell of each brick.
     slots: Vec<[u16; CELLS]>,
     sums: Vec<[i64; 4]>,
+    /// Pieces in these.
+    pieces: usize,
     /// Sums that are as long as may be, the bricks and the cells they belong to.
     aside: Vec<(IVec3, usize, [i64; 4])>,
-    last: (IVec3, u32),
+    /// The bricks asked for last, by the lowest bits of their places, and their numbers.
+    near: [(u32, u32); NEAR],
 }
 
-const NOWHERE: (IVec3, u32) = (IVec3::splat(-1), 0);
+/// Bricks that are found at once: 4 x 4 x 4 neighbours.
+const NEAR: usize = 64;
+const NOWHERE: (u32, u32) = (u32::MAX, 0);
+
+/// The place of a brick in one word, and where it is among its neighbours.
+#[inline(always)]
+fn key_of(brick: IVec3) -> (u32, usize) {
+    let UVec3 { x, y, z } = brick.as_uvec3();
+    (x | y << 8 | z << 16, (x & 3 | (y & 3) << 2 | (z & 3) << 4) as usize)
+}
 
 impl CellSums {
     pub(super) fn new(dims: UVec3) -> Self {
@@ -41,32 +53,36 @@ impl CellSums {
             masks: Vec::new(),
             slots: Vec::new(),
             sums: Vec::new(),
+            pieces: 0,
             aside: Vec::new(),
-            last: NOWHERE,
+            near: [NOWHERE; NEAR],
         }
     }
 
     /// Adds a piece to a cell of the grid.
     #[inline(always)]
     pub(super) fn add(&mut self, cell: IVec3, piece: &FlatPiece) {
+        self.pieces += 1;
         let brick = cell >> SHIFT;
-        if brick != self.last.0 {
-            self.seek(brick);
-        }
+        let (key, near) = key_of(brick);
+        let number = match self.near[near] {
+            (found, number) if found == key => number,
+            _ => self.seek(brick),
+        };
         let local = cell & (SIDE as i32 - 1);
         let place = (local.x | local.y << SHIFT | local.z << (2 * SHIFT)) as usize;
-        let slot = self.slots[self.last.1 as usize][place];
+        let slot = self.slots[number as usize][place];
         match self.sums.get_mut(usize::from(slot)) {
             Some(sum) if sum[0] + piece.0[0] < LONGEST => {
                 sum.iter_mut().zip(piece.0).for_each(|(sum, number)| *sum += number);
             }
-            _ => self.insert(place, piece),
+            _ => self.insert(number, place, piece),
         }
     }
 
     /// Not inlined, as there are many places where pieces are added.
     #[inline(never)]
-    fn seek(&mut self, brick: IVec3) {
+    fn seek(&mut self, brick: IVec3) -> u32 {
         let new = self.bricks.len() as u32;
         let number = self.directory.get_or_insert(brick.as_uvec3(), new);
         if number == new {
@@ -74,16 +90,17 @@ impl CellSums {
             self.masks.push([0; SIDE as usize]);
             self.slots.push([NONE; CELLS]);
         }
-        self.last = (brick, number);
+        let (key, near) = key_of(brick);
+        self.near[near] = (key, number);
+        number
     }
 
     /// The first piece of a cell, or one that its sum has no room for.
     #[inline(never)]
-    fn insert(&mut self, place: usize, piece: &FlatPiece) {
-        let (brick, number) = self.last;
+    fn insert(&mut self, number: u32, place: usize, piece: &FlatPiece) {
         let slot = &mut self.slots[number as usize][place];
         if let Some(sum) = self.sums.get_mut(usize::from(*slot)) {
-            self.aside.push((brick, place, std::mem::replace(sum, piece.0)));
+            self.aside.push((self.bricks[number as usize], place, std::mem::replace(sum, piece.0)));
             return;
         }
         *slot = self.sums.len() as u16;
@@ -96,9 +113,9 @@ impl CellSums {
         self.bricks.len() >= MOST_BRICKS || self.sums.len() >= MOST_CELLS
     }
 
-    /// Whether most bricks have had more than a triangle or two.
-    pub(super) fn is_dense(&self) -> bool {
-        self.sums.len() >= DENSE * self.bricks.len()
+    /// Whether most cells have had more than a piece or two.
+    pub(super) fn pays(&self) -> bool {
+        self.pieces >= PAYS * self.sums.len()
     }
 
     /// Appends all sums to a list, and starts anew.
@@ -126,8 +143,9 @@ impl CellSums {
         self.masks.clear();
         self.slots.clear();
         self.sums.clear();
+        self.pieces = 0;
         self.aside.clear();
-        self.last = NOWHERE;
+        self.near = [NOWHERE; NEAR];
     }
 }
 

@@ -63,14 +63,12 @@ impl ChunkWorker {
                 skipped += 1;
                 continue;
             };
-            if sums_here && is_small(&reach) {
+            if is_small(&reach) && (sums_here || !is_in_one_block(&reach)) {
                 let triangle = (number, &reach, flat);
                 for_each_piece(job, areas, &face, triangle, &cells, |cell, piece| sums.add(cell, piece));
                 if sums.is_full() {
-                    // Neighbours that are far apart are better sorted.
-                    sums_here = sums.is_dense();
+                    sums_here = sums_here && sums.pays() && budget.has_room_for_sums();
                     sums.flush(&mut list);
-                    sums_here &= budget.has_room_for_sums();
                 }
                 continue;
             }
@@ -145,6 +143,16 @@ impl Ahead {
     }
 }
 
+fn is_in_one_block(reach: &Reached) -> bool {
+    match reach {
+        Reached::One(_) => true,
+        Reached::Box(cells) => {
+            let CellBox { low, high } = cells.coarser(BLOCK_SHIFT);
+            low == high
+        }
+    }
+}
+
 fn is_small(reach: &Reached) -> bool {
     match reach {
         Reached::One(_) => true,
@@ -176,14 +184,15 @@ fn for_each_piece(
     let triangle = Triangle { corners: flat.corners, reach: reach.cells() };
     let face = FlatFace::new(length, direction);
     let plane = (normal, length);
-    if is_small(reach) {
-        let all = CellBox::of_grid(job.dims());
-        areas.for_each(job.coverage, &triangle, plane, &all, |cell, area| {
-            if cells.contains(cell) {
-                add(cell, &face.piece(area));
-            }
-        });
-    } else {
+    if !is_small(reach) {
         areas.for_each(job.coverage, &triangle, plane, cells, |cell, area| add(cell, &face.piece(area)));
+        return;
     }
+    let all = CellBox::of_grid(job.dims());
+    let is_within = triangle.reach.intersection(cells) == triangle.reach;
+    areas.for_each(job.coverage, &triangle, plane, &all, |cell, area| {
+        if is_within || cells.contains(cell) {
+            add(cell, &face.piece(area));
+        }
+    });
 }
