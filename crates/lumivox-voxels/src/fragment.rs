@@ -96,16 +96,16 @@ pub(crate) fn in_cell(triangle: &Triangle, cell: IVec3) -> Piece {
 /// alone on its side cuts off a triangle like the whole one.
 #[inline]
 pub(crate) fn share_above(a: f64, b: f64, c: f64) -> f64 {
-    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let middle = (a - low) + (b - low) + (c - high) + low;
-    if middle >= 0.0 {
-        let cut = if low < 0.0 { low * low / ((low - middle) * (low - high)) } else { 0.0 };
-        1.0 - cut
-    } else if high > 0.0 {
-        high * high / ((high - middle) * (high - low))
-    } else {
-        0.0
-    }
+    // Values are selected, and not branched to: nobody foresees on which side corners are.
+    let select = |is: bool, yes: f64, no: f64| if is { yes } else { no };
+    let (less, more) = (select(a < b, a, b), select(a < b, b, a));
+    let (low, high) = (select(c < less, c, less), select(more < c, c, more));
+    let middle = select(c < less, less, select(more < c, more, c));
+    let is_above = middle >= 0.0;
+    let lone = select(is_above, select(low < 0.0, low, 0.0), select(high > 0.0, high, 0.0));
+    let cut = lone * lone / ((lone - middle) * (lone - select(is_above, high, low)));
+    let cut = select(lone == 0.0, 0.0, cut);
+    select(is_above, 1.0 - cut, cut)
 }
 
 /// Area and centroid; none of an empty polygon.

@@ -104,11 +104,7 @@ impl Placement {
     /// The cell of a corner.
     #[inline]
     pub(crate) fn cell(&self, corner: DVec3) -> PackedCell {
-        if corner.is_finite() {
-            PackedCell::new(cell_of(corner, self.rim.dims))
-        } else {
-            PackedCell::NONE
-        }
+        if corner.is_finite() { PackedCell::new(cell_of(corner, self.rim.dims)) } else { PackedCell::NONE }
     }
 }
 

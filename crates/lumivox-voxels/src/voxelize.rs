@@ -142,8 +142,7 @@ impl Segment {
         let chunk = chunk as u32;
         let (along, blocks) = (bricks_along(job.dims()), job.along());
         let lists = bins.bricks.iter().enumerate();
-        let lists =
-            lists.map(move |(n, &brick)| Self { brick, chunk, number: n as u32, is_summed: false });
+        let lists = lists.map(move |(n, &brick)| Self { brick, chunk, number: n as u32, is_summed: false });
         let sums = (0..bins.sums.len()).map(move |n| {
             let block = brick_of(along, bins.sums.get(n).brick) >> (BLOCK_SHIFT - SHIFT);
             Self { brick: brick_index(blocks, block), chunk, number: n as u32, is_summed: true }

@@ -54,7 +54,7 @@ impl Areas {
             // Two cells: one cut.
             1 if coverage == Coverage::Exact => {
                 let axis = usize::from(extent.y == 1) + 2 * usize::from(extent.z == 1);
-                let above = share_beyond(triangle, axis, high[axis]);
+                let above = share_beyond(triangle, axis, high.to_array()[axis]);
                 for (cell, share) in [(low, 1.0 - above), (high, above)] {
                     if within.contains(cell) {
                         add(cell, share * (0.5 * length));
@@ -105,6 +105,7 @@ impl Areas {
 /// The share of a triangle's area beyond the lower boundary of the cells `boundary` along an axis.
 #[inline(always)]
 fn share_beyond(triangle: &Triangle, axis: usize, boundary: i32) -> f64 {
-    let [a, b, c] = triangle.corners.map(|corner| corner[axis] - f64::from(boundary));
-    share_above(a, b, c)
+    let [a, b, c]: [&[f64; 3]; 3] = triangle.corners.each_ref().map(|corner| corner.as_ref());
+    let boundary = f64::from(boundary);
+    share_above(a[axis] - boundary, b[axis] - boundary, c[axis] - boundary)
 }

@@ -27,12 +27,13 @@ impl Octants {
         if high - low != IVec3::ONE {
             return None;
         }
+        let boundaries = high.to_array();
         let free = !cells.iter().fold(0u8, |marks, &cell| marks | 1 << number(cell - low));
         // Of the triangle beyond each set of boundaries; first that beyond none and beyond one.
         let mut beyond = [0.0; 8];
         beyond[0] = 1.0;
         for axis in 0..3 {
-            beyond[1 << axis] = share_beyond(triangle, axis, high[axis]);
+            beyond[1 << axis] = share_beyond(triangle, axis, boundaries[axis]);
         }
         // Beyond two. Of one pair of axes this need not be known if there is a free cell on both sides along the third.
         let mut spare = None;
@@ -54,7 +55,9 @@ impl Octants {
                 spare = Some(axis);
                 0.0
             } else {
-                quarter_along(triangle, normal, axis, [high[p], high[q]])?.min(beyond_p.min(beyond_q)).max(0.0)
+                quarter_along(triangle, normal, axis, [boundaries[p], boundaries[q]])?
+                    .min(beyond_p.min(beyond_q))
+                    .max(0.0)
             };
             beyond[1 << p | 1 << q] = both;
         }

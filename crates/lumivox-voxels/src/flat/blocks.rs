@@ -126,7 +126,8 @@ impl<'a> BlockWorker<'a> {
     fn add_all(&mut self, part: &BrickSums<'_>) {
         let brick = brick_of(bricks_along(self.job.dims()), part.brick) % BRICKS_ALONG;
         let first = CELLS * (brick.x + BRICKS_ALONG * (brick.y + BRICKS_ALONG * brick.z)) as usize;
-        let places = part.mask.iter().enumerate().flat_map(|(z, &word)| bits(word).map(move |bit| 64 * z + bit));
+        let places =
+            part.mask.iter().enumerate().flat_map(|(z, &word)| bits(word).map(move |bit| 64 * z + bit));
         places.zip(part.sums).for_each(|(place, sum)| self.add(first + place, &FlatPiece(*sum)));
     }
 

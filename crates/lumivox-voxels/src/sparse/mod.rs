@@ -9,7 +9,9 @@ use std::ops::Range;
 use glam::{UVec3, Vec3, Vec4};
 use lumivox_core::{Grid, HostVolume};
 
-pub(crate) use bricks::{BrickSet, CELLS, Mask, SHIFT, SIDE, bits, brick_index, brick_of, bricks_along, count};
+pub(crate) use bricks::{
+    BrickSet, CELLS, Mask, SHIFT, SIDE, bits, brick_index, brick_of, bricks_along, count,
+};
 pub use dense::SparseBuilder;
 pub(crate) use directory::Directory;
 
