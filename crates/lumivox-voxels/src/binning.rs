@@ -23,18 +23,19 @@ pub(crate) struct Budget {
     most: u64,
     pairs: AtomicU64,
     /// Bytes of sums.
-    pub(crate) sums: AtomicU64,
+    sums: AtomicU64,
 }
 
 impl Budget {
-    /// A quarter of the memory allowed for pairs, and as much for sums.
+    /// A quarter of the memory allowed for pairs, and as much for sums, beyond which a thread may go by what it has at a
+    /// time.
     pub(crate) fn new(memory_limit: u64) -> Self {
         Self { most: memory_limit / 4, pairs: AtomicU64::new(0), sums: AtomicU64::new(0) }
     }
 
-    /// Whether there may be more sums.
-    pub(crate) fn has_room_for_sums(&self) -> bool {
-        self.sums.load(Ordering::Relaxed) < self.most
+    /// Whether there may be more sums after so many bytes of them.
+    pub(crate) fn has_room_for_sums(&self, bytes: u64) -> bool {
+        self.sums.fetch_add(bytes, Ordering::Relaxed) + bytes < self.most
     }
 
     /// Whether the pairs that a chunk has made fit with those of others. Asked for each triangle, since one may have a
@@ -48,6 +49,12 @@ impl Budget {
         builder.counted = builder.pairs.len();
         let pairs = self.pairs.fetch_add(new as u64, Ordering::Relaxed) + new as u64;
         pairs <= self.most / PAIR_BYTES
+    }
+
+    /// Without room for sums.
+    #[cfg(test)]
+    pub(crate) fn of_pairs(memory_limit: u64) -> Self {
+        Self { sums: AtomicU64::new(memory_limit), ..Self::new(memory_limit) }
     }
 
     /// Bytes of memory with which the pairs so far would have fitted.

@@ -72,25 +72,7 @@ pub fn voxelize(model: &Model<'_>, options: &VoxelizeOptions<'_>) -> Result<Spar
 /// fit into a quarter of the memory is halved: large triangles that cross in many bricks.
 fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> Result<u64, VoxelizeError> {
     let budget = Budget::new(job.memory_limit());
-    let idle = Idle::default();
-    let done = AtomicU64::new(0);
-    let bins: Result<Option<Vec<Bins>>, VoxelizeError> = chunks
-        .par_iter()
-        .map(|chunk| {
-            let bins = if job.is_flat {
-                let mut worker = idle.take(|| ChunkWorker::new(job));
-                let bins = worker.bin(job, chunk, bricks, &budget);
-                idle.put(worker);
-                bins
-            } else {
-                binning::bin(job, chunk, bricks, &budget)
-            };
-            let count = u64::from(chunk.triangles.end - chunk.triangles.start);
-            let done = done.fetch_add(count, Ordering::Relaxed) + count;
-            job.report(Stage::Binning, done, job.triangle_count()).map(|()| bins)
-        })
-        .collect();
-    if let Some(bins) = bins? {
+    if let Some(bins) = all_bins(job, chunks, bricks, &budget)? {
         let skipped = bins.iter().map(|bins| bins.skipped).sum();
         packets(job, chunks, &bins, all)?;
         return Ok(skipped);
@@ -104,6 +86,33 @@ fn slab(job: &Job<'_>, chunks: &[Chunk], bricks: &CellBox, all: &mut Packet) -> 
     let skipped = slab(job, chunks, &lower, all)?;
     slab(job, chunks, &upper, all)?;
     Ok(skipped)
+}
+
+/// The bins of all chunks, if they fit.
+fn all_bins(
+    job: &Job<'_>,
+    chunks: &[Chunk],
+    bricks: &CellBox,
+    budget: &Budget,
+) -> Result<Option<Vec<Bins>>, VoxelizeError> {
+    let idle = Idle::default();
+    let done = AtomicU64::new(0);
+    chunks
+        .par_iter()
+        .map(|chunk| {
+            let bins = if job.is_flat {
+                let mut worker = idle.take(|| ChunkWorker::new(job));
+                let bins = worker.bin(job, chunk, bricks, budget);
+                idle.put(worker);
+                bins
+            } else {
+                binning::bin(job, chunk, bricks, budget)
+            };
+            let count = u64::from(chunk.triangles.end - chunk.triangles.start);
+            let done = done.fetch_add(count, Ordering::Relaxed) + count;
+            job.report(Stage::Binning, done, job.triangle_count()).map(|()| bins)
+        })
+        .collect()
 }
 
 /// What threads work with, as many as there are threads.
@@ -259,4 +268,61 @@ fn packet(job: &Job<'_>, chunks: &[Chunk], all_bins: &[Bins], segments: &[Segmen
         }
     }
     packet
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+mod tests {
+    use super::*;
+    use crate::{Channel, Coverage, Format};
+    use lumivox_core::{Grid, TriangleView};
+
+    /// Triangles of up to `sizes` cells, all over a cube of so many.
+    fn soup(count: u32, cube: f32, sizes: f32) -> Vec<[f32; 3]> {
+        let mut state = 5u64;
+        let mut roll = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let triangle = |_| {
+            let (center, size) = ([roll() * cube, roll() * cube, roll() * cube], roll() * sizes);
+            [(); 3].map(|()| center.map(|x| x + size * (roll() - 0.5)))
+        };
+        (0..count).flat_map(triangle).collect()
+    }
+
+    /// Flat triangles leave the same whether they are summed in chunks or listed, in one chunk or many.
+    #[test]
+    fn sums_of_chunks_and_lists_of_triangles_give_the_same_bits() {
+        let all_in_one_cell = (0..1500).flat_map(|_| [[2.1, 2.0, 2.1], [2.9, 2.1, 2.5], [2.2, 2.8, 2.4]]);
+        for positions in [soup(6000, 70.0, 24.0), soup(20_000, 40.0, 2.0), all_in_one_cell.collect()] {
+            let indices: Vec<[u32; 3]> =
+                (0..positions.len() as u32 / 3).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+            let model = Model::from(TriangleView { positions: &positions, indices: &indices });
+            let grid = Grid { origin: glam::Vec3::ZERO, cell_size: 1.0, dims: glam::UVec3::new(66, 70, 40) };
+            for coverage in [Coverage::Exact, Coverage::Thin] {
+                let channels = vec![Channel::albedo(), Channel::normal().format(Format::F32)];
+                let options = VoxelizeOptions { coverage, channels, ..VoxelizeOptions::default() };
+                let job = Job::new(&model, &options, grid).unwrap();
+                let all_bricks = CellBox { low: IVec3::ZERO, high: job.along().as_ivec3() - 1 };
+                let run = |chunks: &[Chunk], budget: &Budget| {
+                    let bins = all_bins(&job, chunks, &all_bricks, budget).unwrap().unwrap();
+                    let mut packet = Packet::new(&job);
+                    packets(&job, chunks, &bins, &mut packet).unwrap();
+                    let sums: usize = bins.iter().map(|bins| bins.sums.len()).sum();
+                    (packet.bricks, packet.masks, packet.values, sums > 0)
+                };
+                let one = [Chunk { mesh: 0, triangles: 0..indices.len() as u32 }];
+                let limit = options.memory_limit;
+                let listed = run(&one, &Budget::of_pairs(limit));
+                assert!(!listed.3 && !listed.0.is_empty());
+                for chunks in [&one[..], &job.chunks()] {
+                    let summed = run(chunks, &Budget::new(limit));
+                    assert!(summed.3);
+                    assert_eq!((&summed.0, &summed.1), (&listed.0, &listed.1), "{coverage:?}");
+                    assert_eq!(summed.2, listed.2, "{coverage:?}");
+                }
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::{BrickSums, Flat, LONGEST, for_each_piece};
+use super::{AHEAD, Ahead, BrickSums, LONGEST, for_each_piece};
 use crate::areas::Areas;
 use crate::cells::{Batch, SHARE};
 use crate::channels::{FlatPiece, FlatWriter, to_f64};
@@ -108,15 +108,17 @@ impl<'a> BlockWorker<'a> {
         let cells = CellBox { low, high: low + ((1 << BLOCK_SHIFT) - 1) };
         let cells = cells.intersection(&CellBox::of_grid(job.dims()));
         let Some(face) = Face::flat(job, batch.mesh) else { return };
-        let placement = &job.placements[batch.mesh];
         let mut areas = std::mem::take(&mut self.areas);
-        for &number in batch.triangles {
-            let flat = Flat::new(job, batch.mesh, number, |p| placement.corner(p));
-            if let Some(reach) = Reached::of(flat.cells) {
-                let triangle = (number, &reach, &flat);
-                for_each_piece(job, &mut areas, &face, triangle, &cells, |cell, piece| {
-                    self.add(place(cell - low), piece);
-                });
+        let mut ahead = Ahead::new();
+        for numbers in batch.triangles.chunks(AHEAD) {
+            let fetched = ahead.fetch(job, batch.mesh, numbers.iter().copied());
+            for (&number, flat) in numbers.iter().zip(fetched) {
+                if let Some(reach) = Reached::of(flat.cells) {
+                    let triangle = (number, &reach, flat);
+                    for_each_piece(job, &mut areas, &face, triangle, &cells, |cell, piece| {
+                        self.add(place(cell - low), piece);
+                    });
+                }
             }
         }
         self.areas = areas;

@@ -10,7 +10,7 @@ use crate::sparse::{CELLS, Directory, Mask, SHIFT, SIDE, bits, brick_index, bric
 const MOST_BRICKS: usize = 512;
 const MOST_CELLS: usize = 1 << 14;
 /// Pieces per cell below which sums do not pay.
-const PAYS: usize = 2;
+const PAYS: usize = 3;
 /// Slot of a cell that has no sum; a triangle cannot bring as many.
 const NONE: u16 = u16::MAX;
 
@@ -118,8 +118,9 @@ impl CellSums {
         self.pieces >= PAYS * self.sums.len()
     }
 
-    /// Appends all sums to a list, and starts anew.
-    pub(super) fn flush(&mut self, list: &mut SumList) {
+    /// Appends all sums to a list, and starts anew; returns by how many bytes the list has grown.
+    pub(super) fn flush(&mut self, list: &mut SumList) -> u64 {
+        let before = list.bytes();
         list.sums.reserve(self.sums.len() + self.aside.len());
         for ((&brick, mask), slots) in self.bricks.iter().zip(&self.masks).zip(&self.slots) {
             list.begin(brick_index(self.along, brick.as_uvec3()), *mask);
@@ -134,6 +135,7 @@ impl CellSums {
             list.sums.push(sum);
         }
         self.clear();
+        list.bytes() - before
     }
 
     /// Forgets everything.
@@ -182,7 +184,7 @@ impl SumList {
     }
 
     /// Bytes of memory in use.
-    pub(super) fn bytes(&self) -> u64 {
+    fn bytes(&self) -> u64 {
         (size_of_val(&self.bricks[..]) + size_of_val(&self.masks[..]) + size_of_val(&self.sums[..])) as u64
     }
 }

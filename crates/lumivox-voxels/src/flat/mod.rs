@@ -9,8 +9,6 @@
 mod blocks;
 mod cells;
 
-use std::sync::atomic::Ordering;
-
 use glam::{DVec3, IVec3};
 
 use crate::areas::Areas;
@@ -55,20 +53,26 @@ impl ChunkWorker {
         let mut builder = Builder::new(job.along());
         let mut list = SumList::default();
         let mut skipped = 0;
-        let mut sums_here = budget.has_room_for_sums();
+        let mut has_room = budget.has_room_for_sums(0);
+        let mut pays = true;
         let mut ahead = Ahead::new();
         for number in chunk.triangles.clone() {
-            let flat = ahead.get(job, chunk, number);
+            let n = (number - chunk.triangles.start) as usize % AHEAD;
+            if n == 0 {
+                ahead.fetch(job, chunk.mesh, number..chunk.triangles.end);
+            }
+            let flat = &ahead.0[n];
             let Some(reach) = Reached::of(flat.cells) else {
                 skipped += 1;
                 continue;
             };
-            if is_small(&reach) && (sums_here || !is_in_one_block(&reach)) {
+            // What reaches several blocks would be looked at in each.
+            if has_room && is_small(&reach) && (pays || !is_in_one_block(&reach)) {
                 let triangle = (number, &reach, flat);
                 for_each_piece(job, areas, &face, triangle, &cells, |cell, piece| sums.add(cell, piece));
                 if sums.is_full() {
-                    sums_here = sums_here && sums.pays() && budget.has_room_for_sums();
-                    sums.flush(&mut list);
+                    pays &= sums.pays();
+                    has_room = budget.has_room_for_sums(sums.flush(&mut list));
                 }
                 continue;
             }
@@ -78,10 +82,8 @@ impl ChunkWorker {
                 return None;
             }
         }
-        sums.flush(&mut list);
-        budget.sums.fetch_add(list.bytes(), Ordering::Relaxed);
-        let is_room = budget.takes(&mut builder, true);
-        is_room.then(|| builder.finish(skipped, list))
+        budget.has_room_for_sums(sums.flush(&mut list));
+        budget.takes(&mut builder, true).then(|| builder.finish(skipped, list))
     }
 }
 
@@ -121,25 +123,16 @@ impl Ahead {
         Self([Flat::NONE; AHEAD])
     }
 
-    /// Triangles must come one after the other.
+    /// Some triangles of a mesh, as many as there is room for.
     #[inline(always)]
-    fn get(&mut self, job: &Job<'_>, chunk: &Chunk, number: u32) -> &Flat {
-        let n = (number - chunk.triangles.start) as usize % AHEAD;
-        if n == 0 {
-            self.fetch(job, chunk, number);
-        }
-        &self.0[n]
-    }
-
-    #[inline(never)]
-    fn fetch(&mut self, job: &Job<'_>, chunk: &Chunk, first: u32) {
-        let mesh = chunk.mesh;
-        let all = (first..chunk.triangles.end).zip(&mut self.0);
+    fn fetch(&mut self, job: &Job<'_>, mesh: usize, numbers: impl Iterator<Item = u32>) -> &[Flat; AHEAD] {
         let placement = &job.placements[mesh];
+        let all = numbers.zip(&mut self.0);
         match placement.scaled() {
             Some(scaled) => all.for_each(|(n, flat)| *flat = Flat::new(job, mesh, n, |p| scaled.corner(p))),
             None => all.for_each(|(n, flat)| *flat = Flat::new(job, mesh, n, |p| placement.corner(p))),
         }
+        &self.0
     }
 }
 
