@@ -1,7 +1,7 @@
 //! Areas of the parts of a triangle in eight cells around a corner of the grid: three cuts, what two of them cut off
 //! together, and what cells that are not marked tell of the rest.
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 
 use super::quarters::quarter_along;
 use super::share_beyond;
@@ -22,7 +22,7 @@ impl Octants {
     /// The shares of a triangle that reaches eight such cells and touches `cells` alone; none if it is another triangle,
     /// or too little is known of it.
     #[inline]
-    pub(super) fn of(triangle: &Triangle, normal: glam::DVec3, cells: &[IVec3]) -> Option<Self> {
+    pub(super) fn of(triangle: &Triangle, normal: DVec3, cells: &[IVec3]) -> Option<Self> {
         let CellBox { low, high } = triangle.reach;
         if high - low != IVec3::ONE {
             return None;
@@ -37,11 +37,11 @@ impl Octants {
         }
         // Beyond two. Of one pair of axes this need not be known if there is a free cell on both sides along the third.
         let mut spare = None;
-        for axis in 0..3 {
+        for (axis, below) in BELOW.into_iter().enumerate() {
             let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
             let (beyond_p, beyond_q) = (beyond[1 << p], beyond[1 << q]);
             // Free columns, that is pairs of cells, by their lower cells.
-            let columns = free & free >> (1 << axis) & BELOW[axis];
+            let columns = free & free >> (1 << axis) & below;
             let is_free = |cell: u8| columns >> cell & 1 == 1;
             let both = if is_free(1 << p | 1 << q) {
                 0.0
@@ -51,7 +51,7 @@ impl Octants {
                 beyond_p
             } else if is_free(0) {
                 beyond_p + beyond_q - 1.0
-            } else if spare.is_none() && free & BELOW[axis] != 0 && free & !BELOW[axis] != 0 {
+            } else if spare.is_none() && free & below != 0 && free & !below != 0 {
                 spare = Some(axis);
                 0.0
             } else {
@@ -68,10 +68,12 @@ impl Octants {
                 shares[cell] -= shares[cell | 1 << axis];
             }
         }
-        // What is beyond all three is still missing, with a sign, in all of these; with a spare axis as much may be missing on each side of it.
+        // What is beyond all three is still missing, with a sign, in all of these; with a spare axis another number on
+        // each side of it. Cells that are free tell it.
+        let with_sign = |cell: u32, v: f64| if cell.count_ones() & 1 == 0 { v } else { -v };
         let missing = |side: u8| {
             let cell = (free & side).trailing_zeros();
-            shares.get(cell as usize).map(|share| if cell.count_ones() % 2 == 0 { -share } else { *share })
+            shares.get(cell as usize).map(|&share| with_sign(cell, -share))
         };
         let sides = match spare {
             Some(axis) => [(BELOW[axis], missing(BELOW[axis])?), (!BELOW[axis], missing(!BELOW[axis])?)],
@@ -79,7 +81,7 @@ impl Octants {
         };
         for (side, missing) in sides {
             for cell in (0..8u32).filter(|cell| side >> cell & 1 == 1) {
-                shares[cell as usize] += if cell.count_ones() % 2 == 0 { missing } else { -missing };
+                shares[cell as usize] += with_sign(cell, missing);
             }
         }
         Some(Self { low, shares: shares.map(|share| share.max(0.0)) })
