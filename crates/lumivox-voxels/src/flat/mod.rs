@@ -3,8 +3,9 @@
 //! To find the cells of such a triangle takes as long as to sum what it leaves there: an area and an area times a normal
 //! for each cell, as integers, so that no order matters. Most triangles are small. They are looked at once, where they
 //! come in the mesh, and summed in the cells that their neighbours have just been summed in ([`cells`]). Large ones, and
-//! all of a mesh whose triangles come in no order, are sorted into blocks of 32 x 32 x 32 cells, of which a surface touches
-//! few enough that their sums stay in a processor's cache ([`blocks`]). Blocks then take what both have.
+//! those of meshes where cells have few triangles or neighbours are far apart, are sorted into blocks of 32 x 32 x 32
+//! cells, of which a surface touches few enough that their sums stay in a processor's cache ([`blocks`]). Blocks then
+//! take what both have.
 
 mod blocks;
 mod cells;
