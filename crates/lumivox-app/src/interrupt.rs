@@ -36,7 +36,9 @@ fn stop(exit: impl FnOnce()) {
     part_file::remove_all_and(|| {
         // A progress bar may be in the way.
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[2K" } else { "" };
-        eprintln!("{clear}lumivox: interrupted; files that were complete are kept, others removed");
+        eprintln!(
+            "{clear}lumivox: interrupted; files that were complete are kept, others removed, but for bakes, which the same command goes on with"
+        );
         exit();
     });
 }

@@ -34,14 +34,14 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
     ];
     found
         .into_iter()
-        .chain(of_objects(&args.objects))
+        .chain(of_objects(&args.objects, args.layer))
         .filter(|(is_idle, _)| *is_idle)
         .map(|(_, told)| told.to_owned())
         .collect()
 }
 
 /// Options of visibility fields.
-fn of_objects(args: &ObjectArgs) -> [(bool, &'static str); 5] {
+fn of_objects(args: &ObjectArgs, layer: LayerArg) -> [(bool, &'static str); 7] {
     let by_field = args.shadows == ByArg::Field;
     let (occludes, mirrors) = (args.ao != AoArg::Maps, args.reflections == ReflectionsArg::Field);
     let of_fields = args.field_points.is_some()
@@ -59,6 +59,11 @@ fn of_objects(args: &ObjectArgs) -> [(bool, &'static str); 5] {
             "--polish and --reflectance are for --reflections field",
         ),
         (args.light_radius.is_some() && !by_field, "--light-radius is for --shadows field"),
+        (layer == LayerArg::Occlusion && !occludes, "--layer occlusion is white without --ao field"),
+        (
+            layer == LayerArg::Reflections && !mirrors,
+            "--layer reflections is black without --reflections field",
+        ),
         (args.ao_reach.is_some() && !occludes, "--ao-reach and --ao-exponent are for --ao field or subtract"),
         (
             args.sigma != lumivox_render::LeafShadowSettings::default().sigma
@@ -98,6 +103,7 @@ mod tests {
             "--ao field --ao-reach 2 --casters ball --field-maps nearest",
             "--shadows field --light-radius 0.2 --field-rays 4",
             "--reflections field --polish 0.1 --field-points 290",
+            "--ao subtract --layer occlusion",
         ] {
             assert_eq!(told(useful), 0, "{useful}");
         }
@@ -116,6 +122,8 @@ mod tests {
             "--polish 0.2 --ao field",
             "--light-radius 0.2",
             "--ao-reach 2",
+            "--layer occlusion --shadows field",
+            "--layer reflections",
             "--sigma 0.1",
         ] {
             assert_eq!(told(idle), 1, "{idle}");

@@ -22,15 +22,25 @@ pub(crate) fn fields(scene: &Scene, names: &[String], settings: Settings) -> Res
     let mut meshes: Vec<usize> = instances.iter().map(|&i| scene.instances[i].mesh).collect();
     meshes.sort_unstable();
     meshes.dedup();
-    let mut objects = Vec::new();
+    let (mut objects, mut keys) = (Vec::new(), Vec::new());
+    // Of each mesh, its object.
+    let mut number_of = Vec::new();
     for &mesh in &meshes {
         let object = Object::of_mesh(&scene.meshes[mesh]);
+        // Copies of a mesh share the fields of the first.
+        let key = object.mesh().key();
+        if let Some(first) = keys.iter().position(|known| *known == key) {
+            number_of.push(first);
+            continue;
+        }
+        number_of.push(keys.len());
+        keys.push(key);
         let named = || format!("the mesh {:?}", scene.meshes[mesh].name);
         objects.push(lumivox_field::parts(&object.mesh(), MOST_PARTS).with_context(named)?);
     }
     let count: usize = objects.iter().map(Vec::len).sum();
     let bar = render::progress(u64::from(settings.points) * count as u64, "visibility fields");
-    let (mut fields, mut of_mesh) = (Vec::new(), Vec::new());
+    let (mut fields, mut of_object) = (Vec::new(), Vec::new());
     for parts in &objects {
         let first = fields.len();
         for part in parts {
@@ -38,10 +48,11 @@ pub(crate) fn fields(scene: &Scene, names: &[String], settings: Settings) -> Res
             let field = field(part, settings, |maps| bar.set_position(done + u64::from(maps)))?;
             fields.push(field.packed().context("the field does not fit a texture")?);
         }
-        of_mesh.push((first..fields.len()).collect::<Vec<_>>());
+        of_object.push((first..fields.len()).collect::<Vec<_>>());
     }
     bar.finish_and_clear();
-    let of = |mesh: usize| meshes.binary_search(&mesh).map_or(Vec::new(), |n| of_mesh[n].clone());
+    let of =
+        |mesh: usize| meshes.binary_search(&mesh).map_or(Vec::new(), |n| of_object[number_of[n]].clone());
     let caster = |&instance: &usize| Caster { instance, fields: of(scene.instances[instance].mesh) };
     Ok(ObjectFields { fields, casters: instances.iter().map(caster).collect() })
 }
@@ -60,6 +71,9 @@ fn chosen(scene: &Scene, names: &[String]) -> Result<Vec<usize>> {
     }
     let all = 0..scene.instances.len();
     for wanted in names {
+        if wanted.is_empty() {
+            bail!("--casters has an empty name");
+        }
         if !all.clone().any(|i| name(i).starts_with(wanted.as_str())) {
             let mut known: Vec<&str> = all.clone().map(name).collect();
             known.sort_unstable();

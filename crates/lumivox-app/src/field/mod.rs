@@ -31,6 +31,10 @@ pub(crate) fn run(args: &FieldArgs) -> Result<()> {
     if args.output.as_ref().is_some_and(|path| path.extension().is_none_or(|e| e != "lvf")) {
         bail!("a field is written as .lvf");
     }
+    if args.maps.as_ref().is_some_and(|path| path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")))
+    {
+        bail!("maps are drawn as .png");
+    }
     outputs.iter().try_for_each(|path| output::prepare(path))?;
     output::check_apart(&[&args.input], &outputs)?;
     let is_field = Path::new(&args.input).extension().is_some_and(|e| e.eq_ignore_ascii_case("lvf"));
@@ -45,7 +49,7 @@ pub(crate) fn run(args: &FieldArgs) -> Result<()> {
 fn read(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
     let idle = args.of_baking();
     if !idle.is_empty() {
-        bail!("{} is a field already: {} say how one is baked from a mesh", args.input, idle.join(", "));
+        bail!("{} is a field already, and nothing is baked: it takes no {}", args.input, idle.join(", "));
     }
     let start = clock::millis();
     let field = Field::load(&args.input)?;
@@ -66,7 +70,7 @@ fn baked(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
     let (begun, cpu) = (clock::millis(), clock::cpu_seconds());
     let bar = render::progress(u64::from(settings.points) * pieces.len() as u64, "maps");
     let (mut fields, mut spheres) = (Vec::new(), Vec::new());
-    let (mut rays, mut all_rays) = (0, 0);
+    let (mut rays, mut all_rays, mut whole) = (0, 0, None);
     for (n, piece) in pieces.iter().enumerate() {
         let before = u64::from(settings.points) * n as u64;
         // What an earlier bake left is not traced again.
@@ -90,6 +94,7 @@ fn baked(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
         all_rays += baker.rays();
         spheres.push(SphereStats::of(&field, path.as_deref()));
         fields.push(field);
+        whole = (pieces.len() == 1).then_some(baker);
     }
     bar.finish_and_clear();
     let ms = clock::millis() - begun;
@@ -108,23 +113,27 @@ fn baked(args: &FieldArgs) -> Result<(Vec<Field>, FieldStats)> {
     let cpu = cpu.filter(|cpu| *cpu >= LEAST_CPU_SECONDS);
     done.million_rays_per_cpu_second = cpu.map(|cpu| rays as f64 / cpu / 1e6);
     if args.check() > 0 {
-        check(args.check(), &object, &fields, &mut done)?;
+        let whole = match whole {
+            Some(whole) => whole,
+            None => {
+                let small = lumivox_field::Settings { points: 82, directions: 32, ..Default::default() };
+                Baker::new(object.mesh(), small)?
+            }
+        };
+        check(args.check(), &whole, &fields, &mut done);
     }
     Ok((fields, done))
 }
 
 /// Holds the fields of all pieces against true rays through the whole.
-fn check(lines: u32, object: &Object, fields: &[Field], done: &mut FieldStats) -> Result<()> {
-    let small = lumivox_field::Settings { points: 82, directions: 32, ..Default::default() };
-    let whole = Baker::new(object.mesh(), small)?;
+fn check(lines: u32, whole: &Baker, fields: &[Field], done: &mut FieldStats) {
     let sphere = whole.sphere();
     let rays = check::lines(sphere.center, sphere.radius, lines);
-    let (exact, rate) = check::traced(&whole, &rays);
+    let (exact, rate) = check::traced(whole, &rays);
     let [nearest, blended] = check::errors(fields, 2.0 * sphere.radius, &rays, &exact);
     (done.nearest, done.blended) = (Some(nearest), Some(blended));
     done.true_million_rays_per_second = Some(rate);
     done.room = Some(fields.iter().map(|f| f64::from(f.sphere().radius / sphere.radius).powi(3)).sum());
-    Ok(())
 }
 
 /// The file of one of several fields: `cane.lvf` becomes `cane.1.lvf`, `cane.2.lvf` and so on.

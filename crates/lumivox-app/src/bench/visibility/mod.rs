@@ -1,6 +1,7 @@
 //! `lumivox bench visibility`: Table 1 and Figures 33 to 48 of the dissertation's chapter 4, and what look-ups cost beside true rays.
 
 mod atrium;
+mod baking;
 mod corner;
 mod culling;
 mod elongated;
@@ -32,6 +33,7 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     if first.name != "Bunny" {
         report.say("`LUMIVOX_ASSETS` names no folder with the papers' models: bodies of the built-in scene `falling` stand in for them.");
     }
+    baking::baking(quick, report)?;
     corner::errors(first, quick, report)?;
     corner::table(&models, quick, report)?;
     several::several(&models, quick, report)?;

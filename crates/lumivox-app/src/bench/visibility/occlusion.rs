@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use lumivox::visibility::OcclusionSettings;
-use lumivox_field::Settings;
+use lumivox_field::{Settings, Storage};
 
 use super::corner::rms;
 use super::models::Model;
@@ -28,7 +28,7 @@ pub(super) fn occlusion(timer: &Timer<'_>, model: &Model, quick: bool, report: &
     let rays = if quick { 16 } else { 256 };
     let true_rays = if quick { 1024 } else { 4096 };
     report.say(&format!(
-        "{} over a floor that fills a picture of {side} x {side} pixels; {rays} rays per pixel: milliseconds / RMS error in grey levels of 255 of what comes          out / of the same denoised, beside {true_rays} true rays. In parentheses the papers', whose floor filled 75 % of 512 x 512,          beside a reference of 256 rays.",
+        "{} over a floor that fills a picture of {side} x {side} pixels; {rays} rays per pixel: milliseconds / RMS error in grey levels of 255, and both of the same denoised, beside {true_rays} true rays. In parentheses the papers', whose floor filled 75 % of 512 x 512, beside a reference of 256 rays.",
         model.title()
     ));
     let baker = baker_of(model)?;
@@ -37,21 +37,26 @@ pub(super) fn occlusion(timer: &Timer<'_>, model: &Model, quick: bool, report: &
     let base = OcclusionSettings { rays, denoise: false, ..OcclusionSettings::default() };
     let mut lines = Vec::new();
     let mut kept = Vec::new();
-    for &(points, directions) in sizes(quick) {
-        let (_, field, _) = model.baked(Settings { points, directions, ..Settings::default() })?;
+    let bytes = sizes(quick).iter().map(|size| (*size, Storage::Byte));
+    // One bit, at the usual size.
+    let bit = [(if quick { (1090, 64) } else { (4226, 64) }, Storage::Bit)];
+    for ((points, directions), storage) in bytes.chain(bit) {
+        let (_, field, _) = model.baked(Settings { points, directions, storage, ..Settings::default() })?;
         let placed = Placed::new(timer.gpu, &[&field])?;
-        let case = format!("{points} x {directions} x {directions}");
+        let bits = if storage == Storage::Bit { ", 1 bit" } else { "" };
+        let case = format!("{points} x {directions} x {directions}{bits}");
         let paper = FIGURE_37.iter().find(|(p, d, _)| (*p, *d) == (points, directions)).map(|(.., v)| *v);
+        let paper = paper.filter(|_| storage == Storage::Byte);
         let mut line = vec![case.clone()];
         for (name, blended) in [("nearest map", false), ("three maps", true)] {
             let settings = OcclusionSettings { blended, ..base };
             let (time, found) = placed.occlusion(timer, &floor, settings)?;
-            let (_, smooth) =
+            let (smooth_time, smooth) =
                 placed.occlusion(timer, &floor, OcclusionSettings { denoise: true, ..settings })?;
             let (error, smooth) = (rms(&found, &truth), rms(&smooth, &truth));
             let paper = paper.filter(|_| !blended);
             let beside = paper.map_or(String::new(), |[a, b]| format!(" ({a} / {b})"));
-            line.push(format!("{} / {error:.3} / {smooth:.3}{beside}", ms(time.ms)));
+            line.push(format!("{} / {error:.3}{beside}; {} / {smooth:.3}", ms(time.ms), ms(smooth_time.ms)));
             let case = format!("{case}, {name}");
             report.push(row("Figure 37", case.clone(), "time", time.ms, "ms", paper.map(|p| p[0])));
             report.push(row("Figure 37", case.clone(), "RMS", error, "grey levels", paper.map(|p| p[1])));

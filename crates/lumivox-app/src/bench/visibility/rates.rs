@@ -60,7 +60,7 @@ pub(super) fn rates(timer: &Timer<'_>, models: &[Model], quick: bool, report: &m
     let points = if quick { 1090 } else { 4226 };
     report.say(&format!(
         "{count} unsorted rays through the bounding sphere, fields of {points} x 64 x 64 bytes. Millions a second on the same threads of the CPU: true \
-         rays (closest hit), look-ups of some rays at once (`nearest_many`) and of each by itself (`nearest`), the best of {TURNS} turns \
+         rays (closest hit), look-ups of some rays at once (`nearest_many`) and of each by itself (`nearest`), and of three maps each (`blend`), the best of {TURNS} turns \
          taken in turn."
     ));
     let mut lines = Vec::new();
@@ -74,14 +74,16 @@ pub(super) fn rates(timer: &Timer<'_>, models: &[Model], quick: bool, report: &m
             format!("{:.2}", best[0]),
             format!("{:.2}, {:.2} times", best[1], times(1)),
             format!("{:.2}, {:.2} times", best[2], times(2)),
+            format!("{:.2}, {:.2} times", best[3], times(3)),
         ]);
-        for (n, metric) in ["true rays, CPU", "look-ups, CPU", "single look-ups, CPU"].into_iter().enumerate()
-        {
+        let metrics = ["true rays, CPU", "look-ups, CPU", "single look-ups, CPU", "three maps, CPU"];
+        for (n, metric) in metrics.into_iter().enumerate() {
             push(report, "rates", &model.title(), metric, best[n], None);
         }
         baked.push((baker, field));
     }
-    let header = ["model", "true rays", "look-ups at once", "look-ups one by one"].map(str::to_owned);
+    let header =
+        ["model", "true rays", "look-ups at once", "look-ups one by one", "three maps"].map(str::to_owned);
     report.table(&header, &lines);
 
     let side = side(quick) / 2;
@@ -116,16 +118,20 @@ pub(super) fn rates(timer: &Timer<'_>, models: &[Model], quick: bool, report: &m
     Ok(())
 }
 
-/// Million true rays, look-ups at once and single look-ups a second on the CPU's threads.
-fn on_threads(baker: &Baker, field: &Field, count: u32) -> [f64; 3] {
+/// Million true rays, look-ups at once, single look-ups and those of three maps a second on the CPU's threads.
+fn on_threads(baker: &Baker, field: &Field, count: u32) -> [f64; 4] {
     let rays = check::lines(field.sphere().center, field.sphere().radius, count);
-    let mut best = [0.0f64; 3];
+    let mut best = [0.0f64; 4];
     for _ in 0..TURNS {
         let turn = [
             check::traced(baker, &rays).1,
             check::timed(&rays, |rays, found| field.nearest_many(rays, found)).1,
             check::timed(&rays, |rays, found| {
                 found.iter_mut().zip(rays).for_each(|(found, ray)| *found = field.nearest(ray));
+            })
+            .1,
+            check::timed(&rays, |rays, found| {
+                found.iter_mut().zip(rays).for_each(|(found, ray)| *found = field.blend(ray).hit());
             })
             .1,
         ];
@@ -145,7 +151,7 @@ pub(super) fn triangles(timer: &Timer<'_>, quick: bool, report: &mut Report) -> 
     for model in detailed(quick)? {
         let settings = Settings { points: 1090, ..Settings::default() };
         let (baker, field, _) = model.baked(settings)?;
-        let [traced, looked, _] = on_threads(&baker, &field, count);
+        let [traced, looked, ..] = on_threads(&baker, &field, count);
         let rays = check::lines(field.sphere().center, field.sphere().radius, count);
         let rates = [traced, looked, on_device(timer, &field, &rays, false)?];
         let x = model.object.triangles() as f64;

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use anyhow::{Context, Result};
 use glam::Vec3;
-use lumivox::visibility::ShadowLight;
+use lumivox::visibility::{ShadowLight, ShadowSettings};
 use lumivox_field::{Baker, Ray, Settings, Sphere};
 
 use super::corner::rms;
@@ -54,7 +54,7 @@ pub(super) fn shadows(timer: &Timer<'_>, models: &[Model], quick: bool, report: 
     let model = models.first().context("a model")?;
     let side = side(quick);
     report.say(&format!(
-        "A floor of {side} x {side} pixels below a model and lamps of a fifth of its radius, {RAYS} rays per pixel and lamp, denoised: milliseconds / RMS \
+        "A floor of {side} x {side} pixels below a model and lamps of a fifth of its radius, {RAYS} rays per pixel and lamp: milliseconds / RMS \
          error in grey levels of 255 beside {TRUE_RAYS} true rays to each lamp. In parentheses the papers', which show the models' own \
          surfaces close up, with primary rays that take most of the time."
     ));
@@ -111,22 +111,42 @@ fn figure(timer: &Timer<'_>, side: u32, report: &mut Report, figure: &Figure<'_>
     for (points, directions, paper) in fields {
         let settings = Settings { points: *points, directions: *directions, ..Settings::default() };
         let (_, field, _) = model.baked(settings)?;
-        let (time, found) = Placed::new(timer.gpu, &[&field])?.shadow(timer, &surface, lights, RAYS)?;
-        let error = rms(&found, &truth);
+        let placed = Placed::new(timer.gpu, &[&field])?;
+        let settings = ShadowSettings { rays: RAYS, blended: false, denoise: false };
+        let (time, found) = placed.shadow(timer, &surface, lights, settings)?;
+        let denoised = ShadowSettings { denoise: true, ..settings };
+        let (smooth_time, smooth) = placed.shadow(timer, &surface, lights, denoised)?;
+        let (error, smooth) = (rms(&found, &truth), rms(&smooth, &truth));
         let case = format!("{}, {points} x {directions} x {directions}", model.name);
         let beside = paper.map_or(String::new(), |[a, b]| format!(" ({a} / {b})"));
         let mib = field.bytes() as f64 / f64::from(1 << 20);
-        lines.push(vec![case.clone(), format!("{mib:.2}"), format!("{} / {error:.3}{beside}", ms(time.ms))]);
+        lines.push(vec![
+            case.clone(),
+            format!("{mib:.2}"),
+            format!("{} / {error:.3}{beside}", ms(time.ms)),
+            format!("{} / {smooth:.3}", ms(smooth_time.ms)),
+        ]);
         report.push(row(name, case.clone(), "time", time.ms, "ms", paper.map(|p| p[0])));
-        report.push(row(name, case, "RMS", error, "grey levels", paper.map(|p| p[1])));
+        report.push(row(name, case.clone(), "RMS", error, "grey levels", paper.map(|p| p[1])));
+        report.push(row(name, case, "RMS, denoised", smooth, "grey levels", None));
     }
     let paper = (*name == "Figure 42" && model.name == "Bunny").then_some(FIGURE_43);
     let beside = paper.map_or(String::new(), |paper| format!(" ({paper})"));
-    lines.push(vec!["256 true rays, CPU".to_owned(), String::new(), format!("{}{beside}", ms(true_ms))]);
+    lines.push(vec![
+        "256 true rays, CPU".to_owned(),
+        String::new(),
+        format!("{}{beside}", ms(true_ms)),
+        String::new(),
+    ]);
     report.push(row(name, format!("{}, 256 true rays", model.name), "time", true_ms, "ms", paper));
     let count = lights.len();
     let plural = if count == 1 { "" } else { "s" };
-    let header = [format!("{name}: {count} lamp{plural}"), "MiB".to_owned(), "ms / RMS".to_owned()];
+    let header = [
+        format!("{name}: {count} lamp{plural}"),
+        "MiB".to_owned(),
+        "ms / RMS".to_owned(),
+        "denoised".to_owned(),
+    ];
     report.table(&header, &lines);
     Ok(())
 }

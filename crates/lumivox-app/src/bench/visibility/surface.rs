@@ -22,7 +22,7 @@ use crate::bench::timing::{Time, Timer};
 
 /// Every so many pixels along x and y are held against true rays. Pixels four apart have the same pattern of rays, so this shares
 /// no factor with four: all sixteen are seen.
-const STRIDE: u32 = 5;
+pub(super) const STRIDE: u32 = 5;
 /// True rays of each of them, where nothing else is said.
 pub(super) const TRUE_RAYS: u32 = 1024;
 
@@ -188,10 +188,9 @@ impl Placed {
         timer: &Timer<'_>,
         surface: &Surface,
         lights: &[ShadowLight],
-        rays: u32,
+        settings: ShadowSettings,
     ) -> Result<(Time, Vec<f64>)> {
         let gpu = timer.gpu;
-        let settings = ShadowSettings { rays, blended: false, denoise: true };
         let count = lights.len();
         let mut shadows = SoftShadows::new(gpu, surface.size, &self.objects, count, settings)?;
         shadows.update(gpu, &self.objects, lights);

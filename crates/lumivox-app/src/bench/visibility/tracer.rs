@@ -6,9 +6,15 @@ use lumivox_field::{Baker, Field, Interpolation, Ray};
 
 use super::lobe;
 
-/// Shadow rays to each lamp, and rays of a polished point; half as many of the first where a reflection ends.
-const SHADOW_RAYS: u32 = 20;
-const POLISH_RAYS: u32 = 4;
+/// Secondary rays of a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rays {
+    /// To each lamp; half as many where a reflection ends.
+    pub(super) shadow: u32,
+    /// Of a polished point.
+    pub(super) polish: u32,
+}
+
 const ROUGHNESS: f32 = 0.2;
 
 /// An object in the world.
@@ -35,6 +41,7 @@ pub(super) struct World<'m> {
     /// The part of light that the floor mirrors.
     pub(super) reflectance: f32,
     pub(super) sky: f32,
+    pub(super) rays: Rays,
 }
 
 /// What secondary rays meet.
@@ -108,12 +115,12 @@ impl World<'_> {
         by: Secondary,
         counts: &mut Counts,
     ) -> Vec3 {
-        let base = self.matt(met, turned, SHADOW_RAYS, by, counts);
+        let base = self.matt(met, turned, self.rays.shadow, by, counts);
         if !met.is_floor {
             return base;
         }
         let (mut sum, mut sent) = (Vec3::ZERO, 0.0);
-        for unit in lobe::square(POLISH_RAYS, turned) {
+        for unit in lobe::square(self.rays.polish, turned) {
             let (out, weight) = lobe::ray(met.normal, way, ROUGHNESS, unit);
             sent += weight;
             if weight == 0.0 {
@@ -122,7 +129,7 @@ impl World<'_> {
             counts.reflected += 1;
             let ray = Ray::new(met.p + 1e-4 * met.normal, out);
             let light = match self.nearest(&ray, by) {
-                Some(hit) => self.matt(&hit, turned, SHADOW_RAYS / 2, by, counts),
+                Some(hit) => self.matt(&hit, turned, self.rays.shadow / 2, by, counts),
                 None => Vec3::splat(self.sky),
             };
             sum += weight * light;

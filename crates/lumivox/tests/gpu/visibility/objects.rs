@@ -49,6 +49,15 @@ impl Soup {
         })
     }
 
+    /// Two balls above each other, of radius 1 about the origin and of 0.8 at 2.2, as one object.
+    pub(crate) fn pair() -> Self {
+        let (mut all, other) = (Self::ball(1.0), Self::ball(0.8));
+        let first = all.positions.len() as u32;
+        all.positions.extend(other.positions.iter().map(|[x, y, z]| [*x, y + 2.2, *z]));
+        all.indices.extend(other.indices.iter().map(|t| t.map(|i| i + first)));
+        all
+    }
+
     pub(crate) fn baked(&self, settings: Settings) -> Field {
         let triangles = TriangleView { positions: &self.positions, indices: &self.indices };
         let baker = Baker::new(Mesh::new(triangles), settings).expect("a sound mesh");

@@ -5,9 +5,10 @@ use lumivox::core::View;
 use lumivox::glam::{DVec3, Mat4, UVec2, Vec3};
 use lumivox::gpu::{AdapterChoice, Gpu, GpuError, Tier, read_texture};
 use lumivox::visibility::{Combine, Fields, Objects, Occlusion, OcclusionSettings, Placement, Receiver};
+use lumivox_field::Settings;
 use lumivox_oracle::closed_form::sphere_occlusion;
 
-use super::objects::ball;
+use super::objects::{Soup, ball};
 use crate::picture::{Paint, Shape, Thing, lifted, ndc_of_texel};
 use crate::support::{Shot, run};
 use crate::{Labs, Test};
@@ -15,6 +16,7 @@ use crate::{Labs, Test};
 pub(crate) const TESTS: &[Test] = &[
     ("visibility: a ball over a floor takes its closed form", one_ball),
     ("visibility: two balls take their closed forms, and subtraction takes more", two_balls),
+    ("visibility: an object takes light of itself", own),
     ("visibility: the falloff takes less from afar", falloff),
     ("visibility: pixels that no object reaches cost nothing", culling),
     ("visibility: a few of thousands of objects count as if they were alone", crowd),
@@ -156,6 +158,43 @@ fn two_balls(labs: &Labs) -> Result<(), Failed> {
     }
     let [apart, _] = differences(&expected(&stacked[..1]), expected(&stacked).into_iter());
     assert!(apart > 0.05, "{apart}");
+    Ok(())
+}
+
+/// Rays that start within the sphere: the lower of two balls that are one object, in the upper one's shadow.
+fn own(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let view = View::perspective(Vec3::new(0.0, 3.0, 5.0), Vec3::ZERO, Vec3::Y, 0.6, 96.0 / 72.0, 0.1, 60.0)
+        .with_reversed_depth();
+    let lower = Shape::Sphere { center: DVec3::ZERO, radius: 1.0 };
+    let shot = Shot::take(gpu, view, SIZE, &[Thing(lower, |_| Paint::default())])?;
+    let upper = (Vec3::new(0.0, 2.2, 0.0), 0.8);
+    let field = Soup::pair().baked(Settings { points: 4226, directions: 64, ..Settings::default() });
+    let packed = field.packed().expect("a field that fits");
+    let fields = Fields::new(gpu, &[&packed])?;
+    let mut objects = Objects::new(gpu, 1)?;
+    objects.update(gpu, &fields, &[Placement::new(0, Mat4::IDENTITY, 0)])?;
+    let scene = Scene { fields, objects };
+    for blended in [false, true] {
+        let settings =
+            OcclusionSettings { rays: 256, blended, denoise: false, ..OcclusionSettings::default() };
+        let (found, _) = scene.factors(gpu, &shot, settings)?;
+        let (mut apart, mut count, mut darkest) = (0.0, 0, 1.0f64);
+        for ((p, factor), depth) in points(&shot).iter().zip(found).zip(&shot.picture.depth) {
+            let way = upper.0.as_dvec3() - p;
+            let cos = way.normalize().dot(p.normalize());
+            // Where the upper ball lies wholly above the horizon its closed form holds.
+            if *depth > 0.0 && way.length() * cos > 0.8 {
+                let expected = 1.0 - sphere_occlusion(0.8, way.length(), cos);
+                apart += (factor - expected).powi(2);
+                darkest = darkest.min(factor);
+                count += 1;
+            }
+        }
+        let rms = (apart / f64::from(count)).sqrt();
+        eprintln!("blended {blended}: RMS {rms:.4} over {count} pixels, darkest {darkest:.3}");
+        assert!(count > 150 && darkest < 0.6 && rms < 0.02, "{rms} {count} {darkest}");
+    }
     Ok(())
 }
 
