@@ -1,6 +1,6 @@
 //! Ambient occlusion and soft shadows in a host: what it has to do to darken its ambient light under rigid objects that move.
 //!
-//! A field is baked here from a cube; a real host loads `.lvf` files. The host's own G-buffer is stood in for by textures
+//! A field is baked here from a cube; a real host loads it by `Field::load("cube.lvf")`. The host's own G-buffer is stood in for by textures
 //! cleared to nothing. `cargo run -p lumivox --example host_occlusion` records three frames.
 
 use std::ops::ControlFlow;
