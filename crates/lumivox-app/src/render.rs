@@ -5,12 +5,14 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
+use lumivox::core::Grid;
 use lumivox::gather::Quality;
 use lumivox::light::LightSettings;
+use lumivox_render::voxel_view::Slice;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, Scene};
 
-use crate::args::{ExposureArg, LayerArg, RenderArgs, ShotArgs, Size, idle_options};
+use crate::args::{ExposureArg, LayerArg, RenderArgs, ShotArgs, Size, SliceArg, idle_options};
 use crate::field::lookups;
 use crate::motion::Motion;
 use crate::output::{self, Format, Picture};
@@ -73,12 +75,6 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let is_still = args.frames.is_none();
     let usual = settings(&args.shot, &scene, args.size, args.layer.into(), is_still);
     let settings = Settings {
-        // Views would not bring what moves between updates.
-        voxels: if args.light_every > 1 && args.shot.voxelizer.is_none() {
-            VoxelSource::Triangles
-        } else {
-            usual.voxels
-        },
         flow: args.flow,
         light_every: args.light_every,
         light_budget: args.light_budget,
@@ -90,6 +86,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let settings = lookups::with_objects(settings, &args.objects, is_still);
     let mut renderer =
         Renderer::with_fields(&gpu, &scene, settings, &fields).with_context(|| args.shot.scene.clone())?;
+    if let Some(SliceArg(slice)) = args.slice {
+        check_slice(slice, renderer.volume().grid())?;
+    }
     let mut work = Work::default();
     match args.frames {
         Some(count) => {
@@ -148,6 +147,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             import: scene.report.clone(),
         };
         stats::write(path, &stats)?;
+    }
+    Ok(())
+}
+
+/// A layer of cells must be one of the grid's.
+fn check_slice(slice: Slice, grid: &Grid) -> Result<()> {
+    let low = grid.origin[slice.axis];
+    let high = low + grid.dims[slice.axis] as f32 * grid.cell_size;
+    let axis = ["x", "y", "z"][slice.axis];
+    if !(low..=high).contains(&slice.at) {
+        bail!("--slice {axis}:{}: there are cells from {low:.3} to {high:.3} m", slice.at);
     }
     Ok(())
 }

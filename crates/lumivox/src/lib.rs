@@ -119,7 +119,7 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),
         entry::<gather::GatherUniform>(),
-        entry::<gather::LatticeUniform>(),
+        entry::<irradiance::LatticeUniform>(),
         entry::<gather::GlossyUniform>(),
         entry::<irradiance::LumivoxIrradianceUniform>(),
         entry::<voxelize::VoxelLight>(),

@@ -106,11 +106,25 @@ impl Renderer {
         Ok(())
     }
 
-    /// Between updates: pixels go on towards the light of the last, and surfaces that triangles bring look around.
+    /// Between updates: pixels go on towards the light of the last, and surfaces that are new, of triangles or of the camera's view,
+    /// look around and take the rest from their neighbors.
     fn record_between(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
-        let Self { gpu, volume, indirect, camera, .. } = self;
+        // Views that keep nothing would leave what the camera sees alone.
+        let looks = self.views_fill_volume() && self.settings.voxels != VoxelSource::SingleFrame;
+        let Self { gpu, volume, voxelizer, indirect, camera, .. } = self;
         let gpu = &*gpu;
-        if std::mem::take(&mut self.surfels_are_stale) {
+        if looks {
+            let light = &mut self.direct_light;
+            timer.stage(gpu, "progressive/cleanup", |e| {
+                voxelizer.record_begin(gpu, e, &camera.input, Target { volume, light })?;
+                indirect.record_cleanup(gpu, e, &camera.input, volume, true)
+            })?;
+            timer.stage(gpu, "progressive/injection", |e| {
+                voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
+                indirect.record_injection(gpu, e, &camera.input, volume)
+            })?;
+        }
+        if std::mem::take(&mut self.surfels_are_stale) || looks {
             let lit = (&*volume, &self.direct_light);
             timer.stage(gpu, "gather/surfels", |e| indirect.record_surfels(gpu, e, volume))?;
             timer.stage(gpu, "gather/trace", |e| indirect.record_seed(gpu, e, lit, &camera.input))?;

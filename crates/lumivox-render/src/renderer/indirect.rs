@@ -4,7 +4,7 @@ use glam::Vec3;
 use lumivox::VolumeBuffer;
 use lumivox::gather::{GatherSettings, GatheredLight};
 use lumivox::gpu::{Gpu, GpuError, Texture};
-use lumivox::irradiance::IrradianceVolume;
+use lumivox::irradiance::{IrradianceSource, IrradianceVolume};
 use lumivox::light::{IndirectLight, LightSettings};
 use lumivox::lpv::LightPropagationVolume;
 use lumivox::progressive::{DirectLight, ViewInput};
@@ -12,6 +12,7 @@ use lumivox::wgpu::CommandEncoder;
 
 use super::injected_lights::InjectedLight;
 use super::{GiMethod, Settings};
+use crate::composite::Layer;
 use crate::lights::Sky;
 
 /// Rays of a pixel that mirrors.
@@ -71,7 +72,10 @@ impl Indirect {
             let lpv = LightPropagationVolume::new(gpu, volume, settings.lpv_blocking)?;
             return Ok(Self::Lpv(Box::new(lpv)));
         }
-        let propagated = IndirectLight::with_reflection(gpu, volume, settings.reflection)?;
+        let mut propagated = IndirectLight::with_reflection(gpu, volume, settings.reflection)?;
+        if settings.layer == Layer::Lobes {
+            propagated = propagated.with_free_space(gpu);
+        }
         let of_sky = if sampled { Vec3::ZERO } else { sky.mean() };
         propagated.update(gpu, &LightSettings { sky: of_sky, ..settings.light });
         Ok(Self::Propagated(Box::new(propagated)))
@@ -272,7 +276,7 @@ impl Indirect {
         }
     }
 
-    /// Gathered light in free space; the other ways have none there.
+    /// Light in free space; none of propagation that was not made for [`Layer::Lobes`].
     pub(super) fn record_irradiance_volume(
         &self,
         gpu: &Gpu,
@@ -280,7 +284,12 @@ impl Indirect {
         volume: &VolumeBuffer,
         target: &mut IrradianceVolume,
     ) -> Result<(), GpuError> {
-        let Self::Gathered(light) = self else { return Ok(()) };
+        let light: &dyn IrradianceSource = match self {
+            Self::Lpv(light) => &**light,
+            Self::Propagated(light) if light.keeps_free_space() => &**light,
+            Self::Propagated(_) => return Ok(()),
+            Self::Gathered(light) => &**light,
+        };
         light.record_irradiance_volume(gpu, encoder, volume, target, (LOBE_RAYS, 0, 1))
     }
 

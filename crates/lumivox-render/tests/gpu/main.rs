@@ -10,6 +10,7 @@ mod direct;
 mod errors;
 mod fields;
 mod gathered;
+mod gathered_motion;
 mod golden;
 mod indirect;
 mod layers;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         errors::TESTS,
         fields::TESTS,
         gathered::TESTS,
+        gathered_motion::TESTS,
         golden::TESTS,
         indirect::TESTS,
         layers::TESTS,

@@ -1,4 +1,5 @@
-//! A bounce: what the rays of a surfel met shines on it, and its albedo's part of that leaves again.
+//! A bounce: what the rays of a surfel that is due met shines on it, and its albedo's part of that leaves again. The others keep what
+//! they have, which is the same in both states.
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{ALBEDO, EMISSION, VolumeBuffer};
@@ -15,9 +16,8 @@ pub(super) const SHADER: Shader = Shader {
 pub(super) struct Bounce(ComputePass);
 
 impl Bounce {
-    /// The pass that gathers, or the one that only takes up this frame's own light.
-    pub(super) fn new(gpu: &Gpu, gathers: bool) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[("GATHERS", f64::from(u8::from(gathers)))]))
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        Self(ComputePass::new(gpu, &SHADER, &[]))
     }
 
     pub(super) fn record(
@@ -31,12 +31,12 @@ impl Bounce {
             .read("settings", settings)
             .read("albedo", volume.require(SHADER.name, ALBEDO)?)
             .read("emission", volume.require(SHADER.name, EMISSION)?)
-            .read("surfels", &store.surfels)
+            .read("due", &store.due)
             .read("light", &store.light)
             .read("hits", &store.hits)
             .read("sky_light", &store.sky_light)
             .read("before", &store.shine)
             .write("after", &mut store.next_shine);
-        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
+        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_DUE)
     }
 }

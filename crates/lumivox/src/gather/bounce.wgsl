@@ -1,21 +1,18 @@
-// One more bounce of light for one surfel per invocation: what its rays met shines on it. Before the first, its own light.
+// One more bounce of light for one surfel that is due per invocation: what its rays met shines on it.
 
 @group(0) @binding(0) var<uniform> settings: GatherUniform;
 @group(0) @binding(1) var<storage, read> albedo: array<vec2u>;
 @group(0) @binding(2) var<storage, read> emission: array<vec2u>;
-@group(0) @binding(3) var<storage, read> surfels: array<vec4u>;
+@group(0) @binding(3) var<storage, read> due: DueSurfels;
 @group(0) @binding(4) var<storage, read> light: array<vec4f>;
 @group(0) @binding(5) var<storage, read> hits: array<u32>;
-// Mean radiance of the sky over a surfel's rays.
-@group(0) @binding(8) var<storage, read> sky_light: array<vec2u>;
 // Radiance that leaves a surfel (xy), and its irradiance from surfaces (zw).
 @group(0) @binding(6) var<storage, read> before: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> after: array<vec4u>;
+// Mean radiance of the sky over a surfel's rays.
+@group(0) @binding(8) var<storage, read> sky_light: array<vec2u>;
 
 const PI: f32 = 3.1415927;
-
-// Whether rays are asked, or what they said last is kept and only the surfel's own light is new.
-override GATHERS: bool;
 
 // Mean radiance of the surfaces that the surfel's rays met.
 fn gathered(place: u32) -> vec3f {
@@ -33,26 +30,20 @@ fn gathered(place: u32) -> vec3f {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
-    let place = linear_id(id, workgroups);
-    if place >= settings.capacity {
+    let nth = linear_id(id, workgroups);
+    if nth >= due.count {
         return;
     }
-    let surfel = unpack_surfel(surfels[place]);
-    if !surfel.exists {
-        after[place] = vec4u(0u);
+    let place = due.surfels[nth].x;
+    let cell = due.surfels[nth].y;
+    let mean = gathered(place);
+    let irradiance = pack_half4(vec4f(PI * mean, 0.0));
+    if light[place].w == INHERITED {
+        after[place] = vec4u(before[place].xy, irradiance);
         return;
     }
-    // Only rays cost time; what a surfel sends out by itself is taken up in every frame.
-    if GATHERS && !has_turn(surfel.cell) && !is_new(light[place]) {
-        after[place] = before[place];
-        return;
-    }
-    let own = light[place].rgb + unpack_half4(emission[surfel.cell]).rgb;
-    var mean = unpack_half4(before[place].zw).rgb / PI;
-    if GATHERS {
-        mean = gathered(place);
-    }
+    let own = light[place].rgb + unpack_half4(emission[cell]).rgb;
     let arriving = mean + unpack_half4(sky_light[place]).rgb;
-    let leaving = own + saturate(unpack_half4(albedo[surfel.cell]).rgb) * arriving;
-    after[place] = vec4u(pack_half4(vec4f(leaving, 0.0)), pack_half4(vec4f(PI * mean, 0.0)));
+    let leaving = own + saturate(unpack_half4(albedo[cell]).rgb) * arriving;
+    after[place] = vec4u(pack_half4(vec4f(leaving, 0.0)), irradiance);
 }

@@ -4,18 +4,27 @@
 @group(0) @binding(1) var<storage, read> surfels: array<vec4u>;
 @group(0) @binding(2) var<storage, read_write> light: array<vec4f>;
 
+// How far a surfel is after a turn.
+fn after_turn(age: f32) -> f32 {
+    if age > SETTLED {
+        return max(age - CALMING, SETTLED);
+    }
+    if age < NEW {
+        return MOVED;
+    }
+    return select(SETTLED, FIRST_TURN, age == NEW);
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let place = linear_id(id, workgroups);
-    if place >= settings.capacity {
+    if place >= settings.capacity || surfels[place].x == NO_SURFEL {
         return;
     }
-    if surfels[place].x == NO_SURFEL {
-        return;
-    }
+    let before = light[place];
     if has_turn(surfels[place].x / SIDES) {
-        light[place] = vec4f(0.0, 0.0, 0.0, select(1.0, FIRST_TURN, is_new(light[place])));
-    } else if is_new(light[place]) {
-        light[place] = vec4f(0.0);
+        light[place] = vec4f(0.0, 0.0, 0.0, after_turn(before.w));
+    } else if is_new(before) {
+        light[place] = vec4f(0.0, 0.0, 0.0, select(NEW, ASKED, before.w < NEW));
     }
 }

@@ -47,7 +47,8 @@ impl Direct {
             .read("normal", view.normal)
             .read("radiance", view.radiance)
             .read("surfels", &store.surfels)
+            .read("due", &store.due)
             .write("light", &mut store.light);
-        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
+        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_DUE)
     }
 }

@@ -8,6 +8,7 @@
 @group(0) @binding(5) var radiance: texture_2d<f32>;
 @group(0) @binding(6) var<storage, read> surfels: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
+@group(0) @binding(8) var<storage, read> due: DueSurfels;
 
 override SAME_SIDE: f32;
 override NEAR_PLANE: f32;
@@ -32,12 +33,14 @@ fn seen(surfel: Surfel, point: vec3f, subcell_size: f32) -> vec3f {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
-    let place = linear_id(id, workgroups);
-    if place >= settings.capacity {
+    let nth = linear_id(id, workgroups);
+    if nth >= due.count {
         return;
     }
+    let place = due.surfels[nth].x;
+    let before = light[place];
     let surfel = unpack_surfel(surfels[place]);
-    if !surfel.exists || (!has_turn(surfel.cell) && !is_new(light[place])) {
+    if !has_turn(surfel.cell) && !is_new(before) {
         return;
     }
     let cell = cell_from_index(grid, surfel.cell);
@@ -50,5 +53,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         let point = grid.origin + subcell_size * (subcell_corner(cell, bit) + 0.5);
         sum += seen(surfel, point, subcell_size);
     }
-    light[place] += vec4f(sum / f32(asked), 0.0);
+    light[place] = vec4f(before.rgb + sum / f32(asked), select(before.w, ASKED, before.w == INHERITED));
 }

@@ -1,5 +1,6 @@
 //! The sizes of the dispatches that go over surfels. There is room for many more than there are, and low places are given out first,
-//! so the passes end with the highest place that was ever given out.
+//! so the passes over all end with the highest place that was ever given out; those over surfels that are due with the last of
+//! these.
 
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::wgsl::{FACE, GRID, OCTAHEDRON};
@@ -11,23 +12,31 @@ pub(super) const SHADER: Shader = Shader {
     parts: &[GRID, FACE, OCTAHEDRON, SURFEL, include_str!("dispatch.wgsl")],
 };
 
-/// Where a dispatch over surfels finds its size, in bytes.
+/// Where a dispatch over all surfels finds its size, in bytes.
 pub(super) const OVER_SURFELS: u64 = 0;
+/// Where one over the surfels that are due does.
+pub(super) const OVER_DUE: u64 = 12;
 /// Where one over their rays does.
-pub(super) const OVER_RAYS: u64 = 12;
+pub(super) const OVER_RAYS: u64 = 24;
 
 #[derive(Debug)]
 pub(super) struct Dispatch(ComputePass);
 
 impl Dispatch {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+    /// Over all surfels, by how far places have ever been given out.
+    pub(super) fn over_surfels(gpu: &Gpu) -> Self {
+        Self(ComputePass::new(gpu, &SHADER, &[("COUNT", 2.0), ("OF_DUE", 0.0)]))
+    }
+
+    /// Over those on the list of the ones that are due, and over their rays.
+    pub(super) fn over_due(gpu: &Gpu) -> Self {
+        Self(ComputePass::new(gpu, &SHADER, &[("COUNT", 0.0), ("OF_DUE", 1.0)]))
     }
 
     /// A buffer for the sizes, with which nothing is dispatched.
     pub(super) fn sizes(gpu: &Gpu) -> Buffer {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST;
-        Buffer::with_usage(gpu, "gather/dispatch", 24, usage)
+        Buffer::with_usage(gpu, "gather/dispatch", 36, usage)
     }
 
     pub(super) fn record(

@@ -1,9 +1,15 @@
-// How many workgroups the passes over surfels and over their rays need: as far as places have been given out.
+// How many workgroups passes over surfels need, and those over their rays: of all places that have been given out, or of the surfels that
+// are due.
 
 @group(0) @binding(0) var<uniform> settings: GatherUniform;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
-// For passes over surfels, and for those over their rays: three numbers each.
+// Three numbers each: all surfels, those that are due, and the rays of these.
 @group(0) @binding(2) var<storage, read_write> workgroups: array<u32>;
+
+// Which of the counts it is.
+override COUNT: u32;
+// Whether it is that of the surfels that are due.
+override OF_DUE: bool;
 
 // The same as `linear_groups` in Rust.
 const MAX_COLUMNS: u32 = 32768u;
@@ -18,7 +24,11 @@ fn write_groups(at: u32, invocations: u32) {
 
 @compute @workgroup_size(1)
 fn main() {
-    let places = min(counts[2], settings.capacity);
-    write_groups(0u, places);
-    write_groups(3u, places * settings.rays);
+    let surfels = min(counts[COUNT], settings.capacity);
+    if OF_DUE {
+        write_groups(3u, surfels);
+        write_groups(6u, surfels * settings.rays);
+    } else {
+        write_groups(0u, surfels);
+    }
 }

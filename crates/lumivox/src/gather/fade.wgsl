@@ -9,6 +9,21 @@
 @group(0) @binding(5) var<storage, read_write> shown: array<vec4u>;
 
 const PI: f32 = 3.1415927;
+// The part of its way that the light of a surfel goes in a frame that has just moved: nine tenths in seven frames.
+const AFTER_MOTION: f32 = 0.3;
+
+// The part of its way that a surfel's light goes in this frame.
+fn step_of(age: f32, frames_left: f32) -> f32 {
+    if age < NEW {
+        return AFTER_MOTION;
+    }
+    // One that has had one turn at most has no light of another to come from.
+    if age <= FIRST_TURN {
+        return 1.0;
+    }
+    // What moves has other sub-cells and other rays in each frame, and with them other grain.
+    return min(1.0 / frames_left, mix(1.0, AFTER_MOTION, age - SETTLED));
+}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
@@ -21,8 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if settings.sky_apart == 0u {
         irradiance += PI * unpack_half4(sky_light[place]);
     }
-    // One that has had one turn at most has no light of another to come from.
-    let step = select(1.0 / frames_to_turn(surfels[place].x / SIDES), 1.0, light[place].w <= FIRST_TURN);
+    let step = step_of(light[place].w, frames_to_turn(surfels[place].x / SIDES));
     let before = shown[place];
     shown[place] = vec4u(
         pack_half4(mix(unpack_half4(before.xy), radiance, step)),

@@ -3,10 +3,8 @@
 //! The directions of a point are the same in each frame, so at rest its light stands still. Points inside of something
 //! take the nearest free place around them, up to a spacing away; those that find none stay dark.
 
-use glam::UVec3;
-
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
-use crate::irradiance::IrradianceVolume;
+use crate::irradiance::{IrradianceVolume, LATTICE, LatticeUniform};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK, SH, linear_groups};
 
@@ -22,30 +20,13 @@ pub(super) const SHADER: Shader = Shader {
         OCTAHEDRON,
         SURFEL,
         MARCH,
+        LATTICE,
         FREE_POINT,
         MET,
         SEEN,
         include_str!("lattice.wgsl"),
     ],
 };
-
-crate::gpu_struct! {
-    /// Which points of a lattice are asked, and how.
-    pub struct LatticeUniform {
-        /// Points along x, y, z.
-        pub dims: UVec3,
-        /// Cells between points.
-        pub spacing: u32,
-        /// The first point of this frame, and their number.
-        pub first: u32,
-        /// How many follow.
-        pub count: u32,
-        /// Rays of a point.
-        pub rays: u32,
-        /// Unused.
-        pub reserved: u32,
-    }
-}
 
 #[derive(Debug)]
 pub(super) struct Lattice {
@@ -69,12 +50,7 @@ impl Lattice {
         target: &mut IrradianceVolume,
         (rays, slice, slices): (u32, u32, u32),
     ) -> Result<(), GpuError> {
-        let points = target.dims.element_product();
-        let part = points.div_ceil(slices.max(1));
-        let first = (slice * part).min(points);
-        let count = part.min(points - first);
-        let uniform =
-            LatticeUniform { dims: target.dims, spacing: target.spacing, first, count, rays, reserved: 0 };
+        let uniform = target.part((rays, slice, slices));
         self.uniform.write(gpu, &uniform);
         let [red, green, blue] = &mut target.textures;
         let bindings = Bindings::new()
@@ -89,6 +65,6 @@ impl Lattice {
             .write_texture("red", red)
             .write_texture("green", green)
             .write_texture("blue", blue);
-        self.pass.record(gpu, encoder, &bindings, linear_groups(count))
+        self.pass.record(gpu, encoder, &bindings, linear_groups(uniform.count))
     }
 }

@@ -1,14 +1,5 @@
 // Light from all around at one point of a lattice per invocation.
 
-struct LatticeUniform {
-    dims: vec3u,
-    spacing: u32,
-    first: u32,
-    count: u32,
-    rays: u32,
-    reserved: u32,
-}
-
 @group(0) @binding(0) var<uniform> grid: GridUniform;
 @group(0) @binding(1) var<storage, read> sky: array<vec4f>;
 @group(0) @binding(2) var<uniform> lattice: LatticeUniform;
@@ -60,8 +51,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     let index = lattice.first + nth;
-    let rows = index / lattice.dims.x;
-    let at = vec3u(index % lattice.dims.x, rows % lattice.dims.y, rows / lattice.dims.y);
+    let at = lattice_point(lattice.dims, index);
     let place = free_place(f32(SUBCELLS) * f32(lattice.spacing) * (vec3f(at) + 0.5) + 0.01);
     var sum = sh_zero();
     if place.w > 0.0 {

@@ -8,9 +8,12 @@
 //! | --- | --- |
 //! | `mask` | which of the 4 x 4 x 4 sub-cells of each cell are filled, and which cells of a block |
 //! | `surfels` | for each cell and each of six directions, whether there is a surface that faces it |
+//! | `inherit` | light that new ones begin with, from those around them |
+//! | `due` | which are served in this frame |
 //! | `direct` | light of a view (a reflective shadow map) at points of each surfel |
 //! | `trace` | rays through the sub-cells; empty cells and blocks are crossed in one step |
 //! | `sky_light` | what the sky sends along the rays that leave the grid |
+//! | `own_light` | direct and emitted light, which surfels send out by themselves |
 //! | `bounce` | radiance of what the rays met becomes irradiance, and irradiance radiance |
 //! | `fade` | what pixels see follows in even steps |
 //! | `reconstruction` | irradiance at a pixel from the surfels around it that face its way |
@@ -42,11 +45,14 @@ mod budget;
 mod dark;
 mod direct;
 mod dispatch;
+mod due;
 mod fade;
 mod given_subcells;
 mod glossy;
+mod inherit;
 mod lattice;
 mod mask;
+mod own_light;
 mod passes;
 mod readback;
 mod reconstruction;
@@ -60,7 +66,6 @@ mod view_subcells;
 
 pub use budget::LightBudget;
 pub use glossy::{GlossyUniform, MIN_ROUGHNESS};
-pub use lattice::LatticeUniform;
 pub use readback::SurfelCount;
 pub use settings::{GatherSettings, GatherUniform, Quality};
 pub(crate) use sky_light::CONSTANTS;
@@ -68,7 +73,7 @@ pub(crate) use sky_light::CONSTANTS;
 use glam::Vec3;
 
 use crate::gpu::{Gpu, GpuError, Shader, Texture, Uniform};
-use crate::irradiance::IrradianceVolume;
+use crate::irradiance::{IrradianceSource, IrradianceVolume};
 use crate::progressive::{LightView, ViewInput};
 use crate::volume::VolumeBuffer;
 use passes::Passes;
@@ -114,12 +119,14 @@ pub struct GatheredLight {
     uniform: Uniform<GatherUniform>,
     capacity: u32,
     turns: Turns,
+    /// Whether the list of surfels that are due is that of another frame, or of other surfels.
+    due_is_stale: bool,
     subcells: Subcells,
     store: Store,
 }
 
 impl GatheredLight {
-    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 92 and 4 for each ray.
+    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 100 and 4 for each ray.
     ///
     /// # Errors
     /// A grid or a number of rays that does not fit the device.
@@ -137,6 +144,7 @@ impl GatheredLight {
             settings,
             capacity,
             turns: Turns::default(),
+            due_is_stale: true,
             subcells: Subcells::Unknown,
             store,
         };
@@ -168,9 +176,10 @@ impl GatheredLight {
         self.settings.frames = frames.max(1.0);
     }
 
-    fn write_turns(&self, gpu: &Gpu, turns: FrameTurns) {
+    fn write_turns(&mut self, gpu: &Gpu, turns: FrameTurns) {
         let GatherSettings { rays, light_points, sky_apart, .. } = self.settings;
         let FrameTurns { share, phase, frames_left } = turns;
+        self.due_is_stale = true;
         let sky_apart = u32::from(sky_apart);
         let capacity = self.capacity;
         let uniform =
@@ -247,15 +256,28 @@ impl GatheredLight {
         mask.record(gpu, encoder, volume, &mut self.store)?;
         // The count of those that find no room.
         encoder.clear_buffer(&self.store.counts.raw, 4, Some(4));
-        self.passes.free.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
-        self.passes.give.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
+        let inputs = (volume, &self.uniform);
+        self.passes.give.record(gpu, encoder, inputs, &mut self.store)?;
         let Store { counts, dispatch, .. } = &mut self.store;
-        self.passes.dispatch.record(gpu, encoder, &self.uniform, counts, dispatch)
+        self.passes.over_surfels.record(gpu, encoder, &self.uniform, counts, dispatch)?;
+        self.passes.inherit.record(gpu, encoder, inputs, &mut self.store)?;
+        self.due_is_stale = true;
+        self.passes.free.record(gpu, encoder, inputs, &mut self.store)
     }
 
     /// Takes away the direct light of the surfels whose turn it is; each frame, before that of its views.
     pub fn record_dark(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
         self.passes.dark.record(gpu, encoder, &self.uniform, &mut self.store)
+    }
+
+    /// Lists the surfels that are served in this frame, if that is not known yet.
+    fn record_due(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
+        if !std::mem::take(&mut self.due_is_stale) {
+            return Ok(());
+        }
+        self.passes.due.record(gpu, encoder, &self.uniform, &mut self.store)?;
+        let Store { due, dispatch, .. } = &mut self.store;
+        self.passes.over_due.record(gpu, encoder, &self.uniform, due, dispatch)
     }
 
     /// Adds the light of one view: the reflective shadow map of a light, one of the six of a point light, or of one sample
@@ -267,6 +289,7 @@ impl GatheredLight {
         view: impl Into<LightView<'v>>,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
+        self.record_due(gpu, encoder)?;
         let Self { passes, uniform, store, .. } = self;
         passes.direct.record(gpu, encoder, view.into(), (volume, uniform), store)
     }
@@ -278,6 +301,7 @@ impl GatheredLight {
         encoder: &mut wgpu::CommandEncoder,
         volume: &VolumeBuffer,
     ) -> Result<(), GpuError> {
+        self.record_due(gpu, encoder)?;
         self.passes.trace.record(gpu, encoder, (volume, &self.uniform), &mut self.store)?;
         self.passes.sky_light.record(gpu, encoder, &self.uniform, &mut self.store)
     }
@@ -291,11 +315,12 @@ impl GatheredLight {
         volume: &VolumeBuffer,
         count: u32,
     ) -> Result<(), GpuError> {
-        for n in 0..=count {
-            let Self { passes, uniform, store, .. } = self;
-            let pass = if n == 0 { &passes.take_light } else { &passes.bounce };
-            pass.record(gpu, encoder, (volume, uniform), store)?;
-            std::mem::swap(&mut self.store.shine, &mut self.store.next_shine);
+        self.record_due(gpu, encoder)?;
+        let Self { passes, uniform, store, .. } = self;
+        passes.own_light.record(gpu, encoder, (volume, uniform), store)?;
+        for _ in 0..count {
+            passes.bounce.record(gpu, encoder, (volume, uniform), store)?;
+            std::mem::swap(&mut store.shine, &mut store.next_shine);
         }
         self.record_fade(gpu, encoder)
     }
@@ -353,11 +378,12 @@ impl GatheredLight {
     ) -> Result<(), GpuError> {
         self.passes.leaks.record(gpu, encoder, volume, &self.store, view, target)
     }
+}
 
-    /// Fills the `slice`-th of `slices` parts of an irradiance volume over this volume's grid, with `rays` rays for each point, 1 to
-    /// 1024. More rays mean less grain; 64 leave a few percent. A host that has no frame to spare asks for one slice a frame,
-    /// in turn; once for each volume in a frame.
-    pub fn record_irradiance_volume(
+impl IrradianceSource for GatheredLight {
+    /// More rays mean less grain; 64 leave a few percent. A host that has no frame to spare asks for one slice a frame, in turn; once
+    /// for each volume in a frame.
+    fn record_irradiance_volume(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -379,11 +405,14 @@ pub(crate) fn shaders() -> Vec<Shader> {
         given_subcells::SHADER,
         view_subcells::CLEANUP,
         view_subcells::INJECTION,
+        inherit::SHADER,
         dispatch::SHADER,
+        due::SHADER,
         trace::SHADER,
         sky_light::SHADER,
         lattice::SHADER,
         glossy::SHADER,
+        own_light::SHADER,
         bounce::SHADER,
         fade::SHADER,
         reconstruction::SHADER,

@@ -1,8 +1,8 @@
 //! The stages of gathered light, made once.
 
 use super::{
-    bounce, dark, direct, dispatch, fade, given_subcells, glossy, lattice, mask, reconstruction, sky_light,
-    surfels, trace, view_subcells,
+    bounce, dark, direct, dispatch, due, fade, given_subcells, glossy, inherit, lattice, mask, own_light,
+    reconstruction, sky_light, surfels, trace, view_subcells,
 };
 use crate::gpu::Gpu;
 
@@ -11,9 +11,12 @@ use crate::gpu::Gpu;
 pub(super) struct Passes {
     pub(super) whole_cells: mask::Mask,
     pub(super) known_subcells: mask::Mask,
-    pub(super) free: surfels::Surfels,
     pub(super) give: surfels::Surfels,
-    pub(super) dispatch: dispatch::Dispatch,
+    pub(super) free: surfels::Surfels,
+    pub(super) inherit: inherit::Inherit,
+    pub(super) over_surfels: dispatch::Dispatch,
+    pub(super) due: due::Due,
+    pub(super) over_due: dispatch::Dispatch,
     pub(super) dark: dark::Dark,
     pub(super) direct: direct::Direct,
     pub(super) given_subcells: given_subcells::GivenSubcells,
@@ -21,7 +24,7 @@ pub(super) struct Passes {
     pub(super) trace: trace::Trace,
     pub(super) sky_light: sky_light::SkyLight,
     pub(super) lattice: lattice::Lattice,
-    pub(super) take_light: bounce::Bounce,
+    pub(super) own_light: own_light::OwnLight,
     pub(super) bounce: bounce::Bounce,
     pub(super) fade: fade::Fade,
     pub(super) looking: reconstruction::Reconstruction,
@@ -36,9 +39,12 @@ impl Passes {
         Self {
             whole_cells: mask::Mask::new(gpu, false),
             known_subcells: mask::Mask::new(gpu, true),
-            free: surfels::Surfels::new(gpu, true),
             give: surfels::Surfels::new(gpu, false),
-            dispatch: dispatch::Dispatch::new(gpu),
+            free: surfels::Surfels::new(gpu, true),
+            inherit: inherit::Inherit::new(gpu),
+            over_surfels: dispatch::Dispatch::over_surfels(gpu),
+            due: due::Due::new(gpu),
+            over_due: dispatch::Dispatch::over_due(gpu),
             dark: dark::Dark::new(gpu),
             direct: direct::Direct::new(gpu),
             given_subcells: given_subcells::GivenSubcells::new(gpu),
@@ -46,8 +52,8 @@ impl Passes {
             trace: trace::Trace::new(gpu),
             sky_light: sky_light::SkyLight::new(gpu),
             lattice: lattice::Lattice::new(gpu),
-            take_light: bounce::Bounce::new(gpu, false),
-            bounce: bounce::Bounce::new(gpu, true),
+            own_light: own_light::OwnLight::new(gpu),
+            bounce: bounce::Bounce::new(gpu),
             fade: fade::Fade::new(gpu),
             looking: reconstruction::Reconstruction::new(gpu, true),
             trusting: reconstruction::Reconstruction::new(gpu, false),

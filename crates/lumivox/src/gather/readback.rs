@@ -14,17 +14,21 @@ pub struct SurfelCount {
     pub capacity: u32,
     /// Surfels that found no room in the last [`GatheredLight::record_surfels`]; they are dark.
     pub refused: u32,
+    /// Surfels that were served in the last frame that was recorded.
+    pub due: u32,
 }
 
 impl GatheredLight {
     /// How many surfels there are. Waits; not for use inside a frame.
     pub fn count(&self, gpu: &Gpu) -> Result<SurfelCount, GpuError> {
         let counts: Vec<i32> = read_buffer(gpu, &self.store.counts)?;
+        let due: Vec<u32> = read_buffer(gpu, &self.store.due)?;
         let free = counts[0].clamp(0, self.capacity as i32) as u32;
         Ok(SurfelCount {
             used: self.capacity - free,
             capacity: self.capacity,
             refused: counts[1].max(0) as u32,
+            due: due[0],
         })
     }
 

@@ -62,11 +62,10 @@ impl SkyLight {
         let bindings = Bindings::new()
             .read("settings", settings)
             .read("sky", &store.sky)
-            .read("surfels", &store.surfels)
+            .read("due", &store.due)
             .read("hits", &store.hits)
-            .read("light", &store.light)
             .write("sky_light", &mut store.sky_light);
-        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
+        self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_DUE)
     }
 }
 

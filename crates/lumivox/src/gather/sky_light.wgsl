@@ -2,29 +2,24 @@
 
 @group(0) @binding(0) var<uniform> settings: GatherUniform;
 @group(0) @binding(1) var<storage, read> sky: array<vec4f>;
-@group(0) @binding(2) var<storage, read> surfels: array<vec4u>;
+@group(0) @binding(2) var<storage, read> due: DueSurfels;
 @group(0) @binding(3) var<storage, read> hits: array<u32>;
-@group(0) @binding(4) var<storage, read> light: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> sky_light: array<vec2u>;
+@group(0) @binding(4) var<storage, read_write> sky_light: array<vec2u>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
-    let place = linear_id(id, workgroups);
-    if place >= settings.capacity {
+    let nth = linear_id(id, workgroups);
+    if nth >= due.count {
         return;
     }
-    if !has_turn(surfels[place].x / SIDES) && !is_new(light[place]) {
-        return;
-    }
+    let place = due.surfels[nth].x;
     var sum = vec3f(0.0);
     var traced = 0.0;
-    if unpack_surfel(surfels[place]).exists {
-        for (var ray = 0u; ray < settings.rays; ray++) {
-            let hit = hits[place * settings.rays + ray];
-            traced += select(1.0, 0.0, hit == UNTRACED);
-            if is_sky_hit(hit) {
-                sum += sky[hit - FIRST_SKY_HIT].rgb;
-            }
+    for (var ray = 0u; ray < settings.rays; ray++) {
+        let hit = hits[place * settings.rays + ray];
+        traced += select(1.0, 0.0, hit == UNTRACED);
+        if is_sky_hit(hit) {
+            sum += sky[hit - FIRST_SKY_HIT].rgb;
         }
     }
     sky_light[place] = pack_half4(vec4f(sum / max(traced, 1.0), 0.0));

@@ -1,6 +1,7 @@
 //! All that gathered light keeps on the GPU.
 
 use super::dispatch::Dispatch;
+use super::due;
 use super::sky_light::SkyLight;
 use super::{GatherSettings, NO_SURFEL, SIDES};
 use crate::gpu::{Buffer, Gpu, GpuError};
@@ -22,6 +23,7 @@ pub(super) struct Store {
     pub(super) free_places: Buffer,
     pub(super) counts: Buffer,
     pub(super) dispatch: Buffer,
+    pub(super) due: Buffer,
     pub(super) light: Buffer,
     pub(super) hits: Buffer,
     pub(super) sky: Buffer,
@@ -57,6 +59,7 @@ impl Store {
             free_places: make("free places", capacity * 4)?,
             counts: make("counts", 12)?,
             dispatch: Dispatch::sizes(gpu),
+            due: make("due", due::HEADER_BYTES + capacity * due::ENTRY_BYTES)?,
             light: make("direct light", capacity * 16)?,
             hits: make("hits", capacity * 4 * u64::from(settings.rays))?,
             sky: SkyLight::squares(gpu)?,

@@ -8,11 +8,11 @@ use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::{NORMAL, VolumeBuffer};
 use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK, linear_groups};
 
-use super::{GatherUniform, SURFEL, Store};
+use super::{GatherUniform, SURFEL, Store, TURN};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/surfels",
-    parts: &[GRID, PACK, FACE, OCTAHEDRON, SURFEL, include_str!("surfels.wgsl")],
+    parts: &[GRID, PACK, FACE, OCTAHEDRON, SURFEL, TURN, include_str!("surfels.wgsl")],
 };
 
 /// Length of a mean normal from which all surfaces of the cell count as one; two at right angles have 0.71.
@@ -24,7 +24,8 @@ const GRAZING: f64 = 0.35;
 pub(super) struct Surfels(ComputePass);
 
 impl Surfels {
-    /// The pass that gives back the places of surfels that are no more, or the one that gives them out, which is to follow.
+    /// The pass that gives out places, or the one that gives back those of surfels that are no more, which follows: so what is new can
+    /// look at what was there.
     pub(super) fn new(gpu: &Gpu, frees: bool) -> Self {
         let constants = [("FREES", f64::from(u8::from(frees))), ("STEADY", STEADY), ("GRAZING", GRAZING)];
         Self(ComputePass::new(gpu, &SHADER, &constants))

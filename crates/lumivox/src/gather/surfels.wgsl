@@ -1,4 +1,4 @@
-// The surfels of one cell per invocation: those that are no more are given back, or those that are new get a place.
+// The surfels of one cell per invocation: those that are new get a place, or those that are no more give theirs back.
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
 @group(0) @binding(1) var<storage, read> normal: array<vec2u>;
@@ -17,6 +17,8 @@
 override FREES: bool;
 override STEADY: f32;
 override GRAZING: f32;
+// Cosine of the angle that a normal may turn by before its surfel counts as moved.
+const STILL: f32 = 0.995;
 
 // Sub-cells at the low and high faces of a cell, per axis.
 const X_LOW: u32 = 0x11111111u;
@@ -113,7 +115,12 @@ fn keep_place(side: u32, surfel: Surfel) {
         return;
     }
     if place != NO_SURFEL {
+        let before = surfels[place];
         surfels[place] = pack_surfel(surfel);
+        let turned = dot(unpack_surfel(before).normal, surfel.normal) < STILL;
+        if (turned || any(before.zw != surfel.bits)) && light[place].w >= SETTLED {
+            light[place].w = MOVED;
+        }
         return;
     }
     let height = atomicSub(&counts[0], 1);

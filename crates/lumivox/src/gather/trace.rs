@@ -37,6 +37,7 @@ impl Trace {
             .read("blocks", &store.blocks)
             .read("table", &store.table)
             .read("surfels", &store.surfels)
+            .read("due", &store.due)
             .write("hits", &mut store.hits);
         self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_RAYS)
     }

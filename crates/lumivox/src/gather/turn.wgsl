@@ -22,10 +22,29 @@ fn frames_to_turn(cell: u32) -> f32 {
     return max(floor(way / f32(settings.share)), 1.0);
 }
 
-// The fourth number of a surfel's light: 0 until its first turn, this until the second, and then 1.
+// The fourth number of a surfel's light says how far it is.
+// No turn yet, and no neighbor to take after.
+const NEW: f32 = 0.0;
+// No turn yet, and the light of its neighbors; no view has been asked, or all have.
+const INHERITED: f32 = -1.0;
+const ASKED: f32 = -0.5;
+// One turn.
 const FIRST_TURN: f32 = 0.5;
+// More turns. Above it: has moved so lately.
+const SETTLED: f32 = 1.0;
+const MOVED: f32 = 2.0;
+// What a turn takes of that: then it is as if it had always been here.
+const CALMING: f32 = 0.125;
 
 // A surfel that has had no turn yet is served in each frame until it has.
 fn is_new(light: vec4f) -> bool {
-    return light.w == 0.0;
+    return light.w <= NEW;
+}
+
+// The surfels that are served in a frame.
+struct DueSurfels {
+    count: u32,
+    reserved: u32,
+    // Their places and their cells, in no order.
+    surfels: array<vec2u>,
 }

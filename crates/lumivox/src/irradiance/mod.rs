@@ -1,7 +1,7 @@
 //! The light in the space of a volume, for every other shader of a host: forward-shaded and transparent surfaces, particles, fog.
 //!
 //! [`IrradianceVolume`] is three 3D textures, one for each colour, that hold the light that arrives from all around at points of a
-//! coarse lattice, as spherical harmonics of bands 0 and 1. [`GatheredLight`](crate::gather::GatheredLight) fills it. A host
+//! coarse lattice, as spherical harmonics of bands 0 and 1. Any [`IrradianceSource`] fills it. A host
 //! puts [`irradiance_wgsl`] before its own shader and binds the volume beside its own resources; nothing else of this crate is
 //! needed there:
 //!
@@ -21,12 +21,17 @@
 //!
 //! Memory: 24 bytes for each point of the lattice; at 64 cells and a spacing of 2 cells, 0.8 MB.
 
+mod from_cells;
+
 use std::num::NonZero;
 
 use glam::{UVec3, Vec3};
 use lumivox_core::Grid;
 
 use crate::gpu::{Bindings, Gpu, GpuError, Sampler, Shader, Texture, Uniform};
+use crate::volume::VolumeBuffer;
+
+pub(crate) use from_cells::{FromCells, LPV, PROPAGATED};
 
 /// What a host's shader calls, with its bindings in group 0 from 0 on.
 pub const QUERIES: &str = include_str!("irradiance.wgsl");
@@ -34,6 +39,9 @@ pub const QUERIES: &str = include_str!("irradiance.wgsl");
 pub const BINDING_COUNT: u32 = 5;
 /// Format of the textures: constant, x, y, z.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// The shared shader part of passes that fill volumes of light.
+pub(crate) const LATTICE: &str = include_str!("lattice.wgsl");
 
 /// For validation.
 const SHADER: Shader = Shader { name: "irradiance/queries", parts: &[QUERIES] };
@@ -50,6 +58,44 @@ crate::gpu_struct! {
         /// Unused.
         pub reserved: f32,
     }
+}
+
+crate::gpu_struct! {
+    /// Which points of a volume of light are filled, and how.
+    pub struct LatticeUniform {
+        /// Points along x, y, z.
+        pub dims: UVec3,
+        /// Cells between points.
+        pub spacing: u32,
+        /// The first point of this frame.
+        pub first: u32,
+        /// How many follow.
+        pub count: u32,
+        /// Rays of a point.
+        pub rays: u32,
+        /// Unused.
+        pub reserved: u32,
+    }
+}
+
+/// A way of light that fills an [`IrradianceVolume`]: [`IndirectLight`](crate::light::IndirectLight),
+/// [`LightPropagationVolume`](crate::lpv::LightPropagationVolume) and [`GatheredLight`](crate::gather::GatheredLight). All hold the same
+/// there, radiance from surfaces and sky without the light that comes straight from lamps, so that a host's shaders need not know
+/// which it was.
+pub trait IrradianceSource {
+    /// Fills the `slice`-th of `slices` parts of an irradiance volume over this volume's grid. `rays` of each point, 1 to 1024, are
+    /// for the ways that trace some.
+    ///
+    /// # Errors
+    /// What the device refuses, and [`IndirectLight`](crate::light::IndirectLight) that keeps no light in free space.
+    fn record_irradiance_volume(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        target: &mut IrradianceVolume,
+        part: (u32, u32, u32),
+    ) -> Result<(), GpuError>;
 }
 
 /// Light at the points of a lattice over a grid.
@@ -129,6 +175,15 @@ impl IrradianceVolume {
         &self.textures
     }
 
+    /// The `slice`-th of `slices` parts, with `rays` of each point.
+    pub(crate) fn part(&self, (rays, slice, slices): (u32, u32, u32)) -> LatticeUniform {
+        let points = self.dims.element_product();
+        let part = points.div_ceil(slices.max(1));
+        let first = slice.saturating_mul(part).min(points);
+        let count = part.min(points - first);
+        LatticeUniform { dims: self.dims, spacing: self.spacing, first, count, rays, reserved: 0 }
+    }
+
     /// Binds it for a pass of [`crate::gpu`] whose shader has [`QUERIES`] among its parts.
     pub fn bind<'a>(&'a self, bindings: Bindings<'a>) -> Bindings<'a> {
         let [red, green, blue] = &self.textures;
@@ -191,5 +246,5 @@ pub fn layout_entries(
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![SHADER]
+    vec![SHADER, from_cells::PROPAGATED, from_cells::LPV]
 }

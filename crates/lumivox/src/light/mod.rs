@@ -58,6 +58,7 @@
 //! light back, and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
 //! tier (48 bytes of incident light per cell).
 
+mod free_space;
 mod propagation;
 mod reconstruction;
 mod seed;
@@ -66,6 +67,7 @@ mod transport;
 use glam::Vec3;
 
 use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, Uniform, read_buffer};
+use crate::irradiance::FromCells;
 use crate::progressive::{DirectLight, ViewInput};
 use crate::volume::{VolumeBuffer, check_grid};
 use crate::wgsl::HALF_MAX;
@@ -160,6 +162,8 @@ pub struct IndirectLight {
     propagation_pass: propagation::Propagation,
     flow_pass: propagation::Propagation,
     reconstruction_pass: reconstruction::Reconstruction,
+    free_space: Option<FromCells>,
+    reflection: Reflection,
     settings: Uniform<PropagationUniform>,
     transport: Buffer,
     incident: Buffer,
@@ -185,9 +189,11 @@ impl IndirectLight {
             transport_pass: transport::Transport::new(gpu),
             seed_pass: seed::Seed::new(gpu, false),
             renewal_pass: seed::Seed::new(gpu, true),
-            propagation_pass: propagation::Propagation::new(gpu, reflection, true),
-            flow_pass: propagation::Propagation::new(gpu, reflection, false),
+            propagation_pass: propagation::Propagation::new(gpu, reflection, true, false),
+            flow_pass: propagation::Propagation::new(gpu, reflection, false, false),
             reconstruction_pass: reconstruction::Reconstruction::new(gpu),
+            free_space: None,
+            reflection,
             settings: Uniform::new(gpu, "light/settings", &(&LightSettings::default()).into()),
             transport: Buffer::storage(gpu, "light/transport", cells * TRANSPORT_BYTES)?,
             incident: Buffer::storage(gpu, "light/incident", cells * INCIDENT_BYTES)?,

@@ -23,15 +23,21 @@ pub(super) struct Media<'a> {
 pub(super) struct Propagation(ComputePass);
 
 impl Propagation {
-    /// With `accumulates` incident light is that of all steps, else of the last one.
-    pub(super) fn new(gpu: &Gpu, reflection: Reflection, accumulates: bool) -> Self {
+    /// With `accumulates` incident light is that of all steps, else of the last one; with `in_free_space` it is kept in empty cells,
+    /// too.
+    pub(super) fn new(gpu: &Gpu, reflection: Reflection, accumulates: bool, in_free_space: bool) -> Self {
         let number = match reflection {
             Reflection::Lambertian => 0.0,
             Reflection::AxisMirror => 1.0,
             Reflection::NormalMirror => 2.0,
         };
-        let accumulates = f64::from(u8::from(accumulates));
-        Self(ComputePass::new(gpu, &SHADER, &[("REFLECTION", number), ("ACCUMULATES", accumulates)]))
+        let flag = |is: bool| f64::from(u8::from(is));
+        let constants = [
+            ("REFLECTION", number),
+            ("ACCUMULATES", flag(accumulates)),
+            ("IN_FREE_SPACE", flag(in_free_space)),
+        ];
+        Self(ComputePass::new(gpu, &SHADER, &constants))
     }
 
     pub(super) fn record(

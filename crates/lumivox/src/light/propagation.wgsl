@@ -11,6 +11,8 @@
 override REFLECTION: u32;
 // Whether incident light is that of all steps, or of this one.
 override ACCUMULATES: bool;
+// Whether empty cells keep incident light, too.
+override IN_FREE_SPACE: bool;
 const LAMBERTIAN: u32 = 0u;
 const AXIS_MIRROR: u32 = 1u;
 
@@ -80,6 +82,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
             }
         }
         if !is_occupied(here) {
+            if IN_FREE_SPACE {
+                // Radiance of two bands whose flux through each face is what came through it.
+                let arriving = vec4f(1.0 / (6.0 * SH_COS0), (0.5 / SH_COS1) * to_neighbor);
+                received = sh_add(received, sh_scaled(flux, arriving));
+            }
             continue;
         }
         // Light that comes out of the same surface goes on along it.
@@ -107,7 +114,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     next_state[3u * index] = pack_half4(next.r);
     next_state[3u * index + 1u] = pack_half4(next.g);
     next_state[3u * index + 2u] = pack_half4(next.b);
-    if is_occupied(here) {
+    if IN_FREE_SPACE || is_occupied(here) {
         if ACCUMULATES {
             received.r += incident[3u * index];
             received.g += incident[3u * index + 1u];

@@ -47,6 +47,7 @@ mod reconstruction;
 mod seed;
 
 use crate::gpu::{Buffer, Gpu, GpuError, Shader, Texture, read_buffer};
+use crate::irradiance::{FromCells, IrradianceSource, IrradianceVolume, LPV};
 use crate::progressive::{LightView, ViewInput};
 use crate::volume::{VolumeBuffer, check_grid};
 
@@ -83,6 +84,7 @@ pub struct LightPropagationVolume {
     seed_pass: seed::Seed,
     propagation_pass: propagation::Propagation,
     reconstruction_pass: reconstruction::Reconstruction,
+    free_space_pass: FromCells,
     geometry: Option<Geometry>,
     no_blockers: Buffer,
     light_sums: Buffer,
@@ -106,6 +108,7 @@ impl LightPropagationVolume {
             seed_pass: seed::Seed::new(gpu),
             propagation_pass: propagation::Propagation::new(gpu, blocking),
             reconstruction_pass: reconstruction::Reconstruction::new(gpu),
+            free_space_pass: FromCells::new(gpu, &LPV),
             geometry,
             no_blockers: make("no blockers", 16)?,
             light_sums: make("light sums", cells * SUM_BYTES)?,
@@ -207,6 +210,19 @@ impl LightPropagationVolume {
     /// Light of all steps of each cell, three bands of four coefficients. Waits; not for use inside a frame.
     pub fn read_accumulated(&self, gpu: &Gpu) -> Result<Vec<[[f32; 4]; 3]>, GpuError> {
         read_buffer(gpu, &self.accumulated)
+    }
+}
+
+impl IrradianceSource for LightPropagationVolume {
+    fn record_irradiance_volume(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        target: &mut IrradianceVolume,
+        part: (u32, u32, u32),
+    ) -> Result<(), GpuError> {
+        self.free_space_pass.record(gpu, encoder, (volume, &self.accumulated, None), target, part)
     }
 }
 

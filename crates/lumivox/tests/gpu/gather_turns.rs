@@ -15,6 +15,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("gather turns: pixels see even steps", even_steps),
     ("gather turns: every n-th frame, pixels see even steps", every_nth),
     ("gather turns: a new surfel is lit at once", at_once),
+    ("gather turns: a frame serves those whose turn it is", work),
     ("gather turns: the same frames give the same bits", same_bits),
     ("gather turns: a lamp that is switched on is seen within eight frames", seen_in_time),
 ];
@@ -162,6 +163,34 @@ fn at_once(labs: &Labs) -> Result<(), Failed> {
     let ratio = sum(&turns.light.read_shown(gpu)?) / expected;
     eprintln!("{ratio:.3} of the light");
     assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+    Ok(())
+}
+
+/// Rays and bounces are dispatched for the surfels on the list alone.
+fn work(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let cells = lit(0.6);
+    let settings = GatherSettings { rays: 8, ..GatherSettings::default() };
+    let mut whole = Room::new(gpu, &cells, settings)?;
+    whole.frame(gpu, 1)?;
+    let all = whole.light.count(gpu)?;
+    assert_eq!(all.due, all.used);
+    let mut turns = Room::new(gpu, &cells, GatherSettings { frames: 8.0, ..settings })?;
+    // All are new until their first turn.
+    let mut due = Vec::new();
+    for _ in 0..16 {
+        turns.frame(gpu, 1)?;
+        due.push(turns.light.count(gpu)?.due);
+    }
+    eprintln!("of {} surfels, in rounds of eight frames: {due:?}", all.used);
+    assert_eq!(due[0], all.used);
+    assert_eq!(due[8..].iter().sum::<u32>(), all.used, "a round serves all once: {due:?}");
+    assert!(due[8..].iter().all(|n| (all.used / 20..all.used / 4).contains(n)), "{due:?}");
+    // Frames between updates serve nobody.
+    turns.light.begin_nth_frame(gpu, 1, 4);
+    let Room { volume, light } = &mut turns;
+    run(gpu, |e| light.record_trace(gpu, e, volume))?;
+    assert_eq!(light.count(gpu)?.due, 0);
     Ok(())
 }
 

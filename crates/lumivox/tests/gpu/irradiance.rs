@@ -6,7 +6,7 @@ use libtest_mimic::Failed;
 use lumivox::gather::GatherSettings;
 use lumivox::glam::{UVec3, Vec3, Vec4};
 use lumivox::gpu::{Buffer, Gpu, GpuError, Texture, read_buffer, read_texture};
-use lumivox::irradiance::{IrradianceVolume, irradiance_wgsl, layout_entries};
+use lumivox::irradiance::{IrradianceSource, IrradianceVolume, irradiance_wgsl, layout_entries};
 use lumivox::wgpu::util::DeviceExt;
 use lumivox::{bytemuck, wgpu};
 
@@ -35,19 +35,19 @@ fn lit(gpu: &Gpu, room: &Room, spacing: u32) -> Result<IrradianceVolume, GpuErro
 /// A question: a point, and the way that a surface there faces.
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Question {
+pub(crate) struct Question {
     p: Vec4,
     n: Vec4,
 }
 
-fn question(p: Vec3, n: Vec3) -> Question {
+pub(crate) fn question(p: Vec3, n: Vec3) -> Question {
     Question { p: p.extend(0.0), n: n.extend(0.0) }
 }
 
 /// What the shader is asked for.
-const ON_SURFACE: &str = "lumivox_irradiance(q.p.xyz, q.n.xyz)";
-const IN_SPACE: &str = "lumivox_irradiance_at(q.p.xyz, q.n.xyz)";
-const ALL_AROUND: &str = "lumivox_mean_radiance(q.p.xyz)";
+pub(crate) const ON_SURFACE: &str = "lumivox_irradiance(q.p.xyz, q.n.xyz)";
+pub(crate) const IN_SPACE: &str = "lumivox_irradiance_at(q.p.xyz, q.n.xyz)";
+pub(crate) const ALL_AROUND: &str = "lumivox_mean_radiance(q.p.xyz)";
 
 /// A foreign shader: its own resources first, ours behind them in the same group.
 fn host_shader(gpu: &Gpu, call: &str, own: &str) -> wgpu::ShaderModule {
@@ -118,7 +118,7 @@ fn question_buffer(gpu: &Gpu, questions: &[Question]) -> wgpu::Buffer {
 }
 
 /// Answers from a compute stage.
-fn ask(
+pub(crate) fn ask(
     gpu: &Gpu,
     lattice: &IrradianceVolume,
     call: &str,

@@ -16,6 +16,7 @@ mod gather_proof;
 mod gather_turns;
 mod gather_views;
 mod irradiance;
+mod irradiance_sources;
 mod light;
 mod lighting;
 mod lpv;
@@ -72,6 +73,7 @@ fn main() -> ExitCode {
         gather_proof::TESTS,
         gather_turns::TESTS,
         irradiance::TESTS,
+        irradiance_sources::TESTS,
         lpv::TESTS,
         proof::TESTS,
         contract::TESTS,

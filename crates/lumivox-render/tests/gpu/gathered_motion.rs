@@ -1,0 +1,172 @@
+//! Gathered light on what moves: its light changes as the light around it does, and not with the grain of each cell that it comes into.
+
+use glam::{Quat, UVec2, Vec3};
+use libtest_mimic::Failed;
+use lumivox::gpu::Gpu;
+use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
+use lumivox_scene::{Camera, Clip, Light, Material, Scene, Track, Transform};
+
+use crate::Check;
+use crate::camera::rays;
+use crate::scenes::{Quad, add, block, small};
+
+pub(crate) const TESTS: &[(&str, Check)] = &[
+    ("gathered light: what moves does not boil, voxels from triangles", |gpu| {
+        steady(gpu, VoxelSource::Triangles)
+    }),
+    ("gathered light: what moves does not boil, voxels from views", |gpu| {
+        steady(gpu, VoxelSource::Progressive)
+    }),
+    ("gathered light: between updates what moves is as light as before", between_updates),
+];
+
+/// Sides of the room and of the block in it, metres.
+const ROOM: f32 = 6.0;
+const BLOCK: Vec3 = Vec3::new(0.5, 0.6, 0.5);
+/// Frames that are looked at, and those before.
+const FRAMES: usize = 24;
+const BEFORE: usize = 8;
+/// Metres that the block goes in a frame: a tenth of a cell.
+const STEP: f32 = 0.025;
+
+/// A white block that slides over the floor of a room with one side open, whose sun shines on the floor beside it and on a red wall.
+fn room() -> Scene {
+    let sun = Light::Directional {
+        direction: Vec3::new(-0.6, -0.7, -0.25).normalize_or_zero(),
+        irradiance: Vec3::splat(4.0),
+    };
+    let mut scene = Scene { lights: vec![sun], ..Scene::default() };
+    let half = 0.5 * ROOM;
+    let white = [Quad::level(Vec3::ZERO, ROOM), Quad::upright(Vec3::new(0.0, 0.5 * half, -half), ROOM, half)];
+    add(&mut scene, Material::matte("white", Vec3::splat(0.7)), &white);
+    let red = Quad { corner: Vec3::new(-half, 0.0, -half), u: half * Vec3::Y, v: ROOM * Vec3::Z };
+    add(&mut scene, Material::matte("red", Vec3::new(0.7, 0.1, 0.1)), &[red]);
+    let node = scene.animation.add_node(None, Transform::default());
+    let faces = block_faces();
+    add(&mut scene, Material::matte("block", Vec3::splat(0.7)), &faces);
+    for instance in scene.instances.len() - faces.len()..scene.instances.len() {
+        scene.hang_instance(instance, node);
+    }
+    let end = (BEFORE + FRAMES) as f32 * STEP;
+    let way = Track::translation([(0.0, at(0.0)), (end, at(end / STEP))]);
+    scene.animation.add_clip(Clip::new("slide").with(node, way).lasting(end));
+    scene
+}
+
+fn block_faces() -> Vec<Quad> {
+    block(Vec3::new(-BLOCK.x, 0.0, -BLOCK.z), Vec3::new(BLOCK.x, 2.0 * BLOCK.y, BLOCK.z))
+}
+
+/// Where the block is, frame by frame: along no axis of the grid.
+fn at(frame: f32) -> Vec3 {
+    Vec3::new(-1.6, 0.0, 0.3) + Quat::from_rotation_y(-0.4) * (STEP * frame * Vec3::X)
+}
+
+/// A camera that goes with it.
+fn beside(frame: f32) -> Camera {
+    let eye = at(frame) + Vec3::new(-0.6, 2.6, 3.0);
+    Camera::look("beside", eye, at(frame) + BLOCK.y * Vec3::Y, 35.0)
+}
+
+/// Pixels well within the sides of the block that the camera sees.
+fn block_pixels(size: UVec2) -> Vec<usize> {
+    let faces: Vec<Quad> = block_faces()
+        .into_iter()
+        .map(|q| Quad { corner: q.corner + at(0.0), ..q })
+        .filter(|q| q.normal().dot(beside(0.0).eye - q.corner) > 0.0)
+        .collect();
+    let rays = rays(&beside(0.0), size);
+    let on_block = |n: &usize| {
+        faces.iter().any(|q| rays[*n].meets(q.corner, q.u, q.v).is_some_and(|(_, inside)| inside > 0.08))
+    };
+    (0..rays.len()).filter(on_block).collect()
+}
+
+fn settings(voxels: VoxelSource) -> Settings {
+    let size = UVec2::splat(64);
+    Settings { gi: GiMethod::Gather, layer: Layer::Indirect, voxels, clip: Some(0), size, ..small() }
+}
+
+/// The light of these pixels, frame by frame.
+fn series(gpu: &Gpu, settings: Settings, pixels: &[usize]) -> Result<Vec<Vec<f32>>, Failed> {
+    let mut scene = room();
+    let mut renderer = Renderer::new(gpu, &scene, settings)?;
+    let mut found = Vec::new();
+    for frame in 0..BEFORE + FRAMES {
+        let pose = scene.pose(0, frame as f32 * STEP);
+        scene.apply(&pose);
+        renderer.set_pose(&pose);
+        renderer.set_camera(&beside(frame as f32));
+        renderer.frame(None)?;
+        let picture = renderer.read_picture()?;
+        found.push(pixels.iter().map(|&n| picture[n].element_sum()).collect());
+    }
+    Ok(found.split_off(BEFORE))
+}
+
+/// The straight line that is nearest to a series: its value in each frame.
+fn trend(values: &[f32]) -> impl Fn(usize) -> f32 + use<> {
+    let n = values.len() as f32;
+    let middle = 0.5 * (n - 1.0);
+    let mean = values.iter().sum::<f32>() / n;
+    let (up, across) = values.iter().enumerate().fold((0.0, 0.0), |(up, across), (frame, value)| {
+        let x = frame as f32 - middle;
+        (up + x * (value - mean), across + x * x)
+    });
+    move |frame| mean + up / across * (frame as f32 - middle)
+}
+
+/// Root mean squares over pixels and frames of how much light changes from one frame to the next, and of how much of that is
+/// not the change of the trend, as parts of the mean light.
+fn changes(series: &[Vec<f32>]) -> (f32, f32) {
+    let pixels = series[0].len();
+    let (mut light, mut true_change, mut boil) = (0.0, 0.0, 0.0);
+    for pixel in 0..pixels {
+        let values: Vec<f32> = series.iter().map(|frame| frame[pixel]).collect();
+        let trend = trend(&values);
+        light += values.iter().sum::<f32>() / values.len() as f32;
+        for frame in 1..values.len() {
+            let expected = trend(frame) - trend(frame - 1);
+            true_change += expected * expected;
+            boil += (values[frame] - values[frame - 1] - expected).powi(2);
+        }
+    }
+    let count = (pixels * (series.len() - 1)) as f32;
+    let mean = light / pixels as f32;
+    ((true_change / count).sqrt() / mean, (boil / count).sqrt() / mean)
+}
+
+fn steady(gpu: &Gpu, voxels: VoxelSource) -> Result<(), Failed> {
+    let settings = settings(voxels);
+    let pixels = block_pixels(settings.size);
+    assert!(pixels.len() > 400, "{} pixels", pixels.len());
+    let (trend, boil) = changes(&series(gpu, settings, &pixels)?);
+    eprintln!("{voxels:?}: {trend:.5} of the light a frame by the trend, {boil:.5} beside it");
+    assert!(trend > 1e-3, "nothing changes: {trend}");
+    assert!(boil < 0.01, "{boil} of the light");
+    Ok(())
+}
+
+/// Updates in every eighth frame: the block's light stays what it is with updates in each.
+fn between_updates(gpu: &Gpu) -> Result<(), Failed> {
+    for voxels in [VoxelSource::Triangles, VoxelSource::Progressive] {
+        let usual = settings(voxels);
+        let pixels = block_pixels(usual.size);
+        let each = series(gpu, usual, &pixels)?;
+        let eighth = series(gpu, Settings { light_every: 8, ..usual }, &pixels)?;
+        let mean = |frame: &[f32]| frame.iter().sum::<f32>() / frame.len() as f32;
+        let least = each.iter().zip(&eighth).map(|(e, n)| mean(n) / mean(e)).fold(f32::INFINITY, f32::min);
+        let dark = |series: &[Vec<f32>]| {
+            let all = series.iter().flatten().filter(|v| **v < 0.2 * mean(&each[0])).count();
+            all as f32 / (series.len() * pixels.len()) as f32
+        };
+        eprintln!(
+            "{voxels:?}: {least:.3} of the light at least, {:.4} dark of {:.4}",
+            dark(&eighth),
+            dark(&each)
+        );
+        assert!(least > 0.9, "{voxels:?}: {least} of the light between updates");
+        assert!(dark(&eighth) < dark(&each) + 0.01, "{voxels:?}: {} of the pixels are dark", dark(&eighth));
+    }
+    Ok(())
+}
