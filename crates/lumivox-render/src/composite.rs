@@ -38,8 +38,7 @@ pub enum Layer {
     Lobes,
     /// What surfaces would mirror if all of them had [`Settings::roughness`](crate::Settings): gathered light.
     Glossy,
-    /// Where light would leak: the share of a pixel's gathered light that would come from surfaces it cannot see, if it did not
-    /// look.
+    /// Where light may leak: the share of a pixel's gathered light that comes from surfaces it cannot see.
     Leaks,
     /// What objects with visibility fields let through of the light from all around, 0 to 1.
     Occlusion,

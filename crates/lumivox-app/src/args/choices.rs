@@ -147,11 +147,11 @@ pub(crate) enum LayerArg {
     Depth,
     /// Cells; --voxels and --slice say what of them.
     Voxels,
-    /// Gathered light in free space, as balls that show what arrives from each side.
+    /// Light in free space, as balls that show what arrives from each side.
     Lobes,
     /// What all surfaces would mirror if they were glossy (roughness 0.4).
     Glossy,
-    /// Where gathered light would leak if pixels did not look: blue for nowhere, red for all of it.
+    /// Where gathered light may leak: the part of it that comes from what a pixel cannot see; blue for none, red for all.
     Leaks,
     /// What objects with visibility fields let through of the sky's light; with --ao field.
     Occlusion,

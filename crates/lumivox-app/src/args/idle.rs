@@ -12,9 +12,9 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
     let shows_voxels = args.layer == LayerArg::Voxels;
     let from_triangles = match args.shot.voxelizer {
         Some(voxelizer) => matches!(voxelizer, VoxelizerArg::Triangles),
-        None => args.frames.is_none() || args.light_every > 1,
+        None => args.frames.is_none(),
     };
-    let needs_gather = matches!(args.layer, LayerArg::Lobes | LayerArg::Glossy | LayerArg::Leaks);
+    let needs_gather = matches!(args.layer, LayerArg::Glossy | LayerArg::Leaks);
     let found = [
         (!matches!(args.shot.mirror, MirrorArg::None) && !propagates, "--mirror is for --gi propagation"),
         (

@@ -293,7 +293,7 @@ impl Indirect {
         light.record_irradiance_volume(gpu, encoder, volume, target, (LOBE_RAYS, 0, 1))
     }
 
-    /// Where gathered light would leak; black for the other ways, which do not look.
+    /// Where gathered light may leak; black for the other ways, which do not look.
     pub(super) fn record_leaks(
         &self,
         gpu: &Gpu,

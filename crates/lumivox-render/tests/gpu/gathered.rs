@@ -14,6 +14,7 @@ use crate::scenes::{Quad, add, settle, small};
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("gathered light: a furnace settles at its closed form", furnace),
     ("gathered light: a dark room beside a lit one stays dark", dark_room),
+    ("gathered light: a dark room beside a lit one stays dark, voxels from views", dark_room_of_views),
     ("gathered light: a frame of a still scene is like the one before", rest),
     ("gathered light: a lamp that goes out leaves no light in the picture", lamp_out),
     ("gathered light: the first frame of views has light", first_frame),
@@ -101,6 +102,36 @@ fn dark_room(gpu: &Gpu) -> Result<(), Failed> {
         assert!(seen[0] > 0.05, "the lit room is dark: {}", seen[0]);
         let leak = if thickness < cell { 0.02 } else { 0.005 };
         assert!(seen[1] <= leak * seen[0], "{} of {} through {thickness} m", seen[1], seen[0]);
+    }
+    Ok(())
+}
+
+/// The same where views bring the surfaces: the camera stands in the one room, and then in the other.
+fn dark_room_of_views(gpu: &Gpu) -> Result<(), Failed> {
+    for thickness in [0.095, 0.19, 0.38, 0.57] {
+        let scene = builtin::two_rooms(0, thickness);
+        let settings = Settings { grid: 24, ..gathering(VoxelSource::Progressive) };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        let mut pictures = Vec::new();
+        for side in [-1.0, 1.0] {
+            let from = Vec3::new(side * (0.5 * thickness + 3.8), 1.4, 1.8);
+            renderer.set_camera(&Camera::look("room", from, Vec3::new(side * 0.5, 1.2, -0.5), 80.0));
+            for _ in 0..12 {
+                renderer.frame(None)?;
+            }
+            pictures.push(renderer.read_picture()?);
+        }
+        let lit = mean(&pictures[0]);
+        let dark = mean(&pictures[1]) / lit;
+        let most = pictures[1].iter().map(|p| p.y).fold(0.0, f32::max) / lit;
+        let cell = renderer.volume().grid().cell_size;
+        eprintln!(
+            "views, walls of {:.2} cells: dark {dark:.5} of the lit, its brightest pixel {most:.5}",
+            thickness / cell
+        );
+        assert!(lit > 0.05, "the lit room is dark: {lit}");
+        let leak = if thickness < cell { 0.02 } else { 0.005 };
+        assert!(dark < 0.1 * leak && most <= leak, "{dark}, {most} through {thickness} m");
     }
     Ok(())
 }

@@ -116,34 +116,44 @@ fn trend(values: &[f32]) -> impl Fn(usize) -> f32 + use<> {
     move |frame| mean + up / across * (frame as f32 - middle)
 }
 
-/// Root mean squares over pixels and frames of how much light changes from one frame to the next, and of how much of that is
-/// not the change of the trend, as parts of the mean light.
-fn changes(series: &[Vec<f32>]) -> (f32, f32) {
-    let pixels = series[0].len();
-    let (mut light, mut true_change, mut boil) = (0.0, 0.0, 0.0);
+/// How much a pixel's light changes from one frame to the next, root mean square over frames, as a part of the mean light.
+struct Changes {
+    /// Of the trends, over all pixels.
+    trend: f32,
+    /// Beside the trend: of half the pixels it is less, and of all but a twentieth.
+    median: f32,
+    most: f32,
+}
+
+fn changes(series: &[Vec<f32>]) -> Changes {
+    let (pixels, frames) = (series[0].len(), series.len() as f32 - 1.0);
+    let mean = series.iter().flatten().sum::<f32>() / (pixels * series.len()) as f32;
+    let (mut trends, mut beside) = (0.0, Vec::new());
     for pixel in 0..pixels {
         let values: Vec<f32> = series.iter().map(|frame| frame[pixel]).collect();
         let trend = trend(&values);
-        light += values.iter().sum::<f32>() / values.len() as f32;
-        for frame in 1..values.len() {
-            let expected = trend(frame) - trend(frame - 1);
-            true_change += expected * expected;
-            boil += (values[frame] - values[frame - 1] - expected).powi(2);
-        }
+        let slope = trend(1) - trend(0);
+        trends += slope * slope;
+        let boil = values.windows(2).map(|w| (w[1] - w[0] - slope).powi(2)).sum::<f32>();
+        beside.push((boil / frames).sqrt() / mean);
     }
-    let count = (pixels * (series.len() - 1)) as f32;
-    let mean = light / pixels as f32;
-    ((true_change / count).sqrt() / mean, (boil / count).sqrt() / mean)
+    beside.sort_by(f32::total_cmp);
+    let trend = (trends / pixels as f32).sqrt() / mean;
+    Changes { trend, median: beside[pixels / 2], most: beside[pixels * 19 / 20] }
 }
 
 fn steady(gpu: &Gpu, voxels: VoxelSource) -> Result<(), Failed> {
     let settings = settings(voxels);
     let pixels = block_pixels(settings.size);
     assert!(pixels.len() > 400, "{} pixels", pixels.len());
-    let (trend, boil) = changes(&series(gpu, settings, &pixels)?);
-    eprintln!("{voxels:?}: {trend:.5} of the light a frame by the trend, {boil:.5} beside it");
+    let Changes { trend, median, most } = changes(&series(gpu, settings, &pixels)?);
+    eprintln!(
+        "{voxels:?}: {trend:.5} of the light a frame by the trend, {median:.5} beside it, {most:.5} at most"
+    );
     assert!(trend > 1e-3, "nothing changes: {trend}");
-    assert!(boil < 0.01, "{boil} of the light");
+    // Without the light of neighbors and its slow change they are 0.020 and 0.071 with triangles, 0.034 and 0.070 with views.
+    let limits = if voxels == VoxelSource::Triangles { (0.018, 0.05) } else { (0.028, 0.06) };
+    assert!(median < limits.0 && most < limits.1, "{median}, {most} of the light");
     Ok(())
 }
 

@@ -104,11 +104,11 @@ const UNTRACED: u32 = u32::MAX - 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Subcells {
     /// Nothing: occupied cells are filled.
-    Unknown,
+    Unknown = 0,
     /// What views have shown: here and there thicker than the surface.
-    FromViews,
+    FromViews = 1,
     /// All of them, as thin as they get.
-    Given,
+    Given = 2,
 }
 
 /// The gathered light of one volume: its stages and what they keep.
@@ -341,9 +341,7 @@ impl GatheredLight {
         view: &ViewInput,
         target: &mut Texture,
     ) -> Result<(), GpuError> {
-        // Sub-cells that are not thin would hide surfels from the pixels of their own surface.
-        let exact = self.subcells == Subcells::Given;
-        let pass = if exact { &self.passes.looking } else { &self.passes.trusting };
+        let pass = &self.passes.reconstruction[self.subcells as usize];
         pass.record(gpu, encoder, volume, &self.store, view, target)
     }
 
@@ -366,8 +364,9 @@ impl GatheredLight {
         self.passes.glossy.record(gpu, encoder, (volume, &self.store), view, target, (roughness, rays))
     }
 
-    /// For debugging: the share of each pixel's irradiance that would come from surfels it cannot see, if it did not look for what
-    /// stands between, 0 to 1 in red. Where that is large, thin walls part light from dark.
+    /// For debugging: the share of each pixel's irradiance that comes from surfels which it cannot see, 0 to 1 in red. Where that is
+    /// large, light leaks if what stands between parts light from dark: at pixels that see no surfel at all, and wherever nothing is
+    /// known of sub-cells.
     pub fn record_leaks(
         &self,
         gpu: &Gpu,
@@ -376,7 +375,7 @@ impl GatheredLight {
         view: &ViewInput,
         target: &mut Texture,
     ) -> Result<(), GpuError> {
-        self.passes.leaks.record(gpu, encoder, volume, &self.store, view, target)
+        self.passes.leaks[self.subcells as usize].record(gpu, encoder, volume, &self.store, view, target)
     }
 }
 

@@ -27,9 +27,9 @@ pub(super) struct Passes {
     pub(super) own_light: own_light::OwnLight,
     pub(super) bounce: bounce::Bounce,
     pub(super) fade: fade::Fade,
-    pub(super) looking: reconstruction::Reconstruction,
-    pub(super) trusting: reconstruction::Reconstruction,
-    pub(super) leaks: reconstruction::Reconstruction,
+    /// By what is known of sub-cells, as [`super::Subcells`] counts.
+    pub(super) reconstruction: [reconstruction::Reconstruction; 3],
+    pub(super) leaks: [reconstruction::Reconstruction; 3],
     pub(super) glossy: glossy::Glossy,
 }
 
@@ -55,9 +55,8 @@ impl Passes {
             own_light: own_light::OwnLight::new(gpu),
             bounce: bounce::Bounce::new(gpu),
             fade: fade::Fade::new(gpu),
-            looking: reconstruction::Reconstruction::new(gpu, true),
-            trusting: reconstruction::Reconstruction::new(gpu, false),
-            leaks: reconstruction::Reconstruction::of_leaks(gpu),
+            reconstruction: reconstruction::Reconstruction::of_each(gpu, false),
+            leaks: reconstruction::Reconstruction::of_each(gpu, true),
             glossy: glossy::Glossy::new(gpu),
         }
     }

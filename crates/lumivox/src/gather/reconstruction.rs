@@ -1,6 +1,5 @@
 //! Irradiance at each pixel: from the surfels of the eight cells around it, by how near they are and how much they face its
-//! way. Those to which the way is blocked do not count: the lit floor behind a thin wall is near, too. That asks
-//! for sub-cells from triangles; those from views are too thick for it.
+//! way. Those to which the way is blocked do not count: the lit floor behind a thin wall is near, too.
 
 use crate::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture};
 use crate::light::IRRADIANCE_FORMAT;
@@ -26,23 +25,38 @@ pub(super) const SHADER: Shader = Shader {
     ],
 };
 
+/// How pixels find out what stands between them and a surfel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sight {
+    /// They do not: whole cells would hide surfels from the pixels of their own surface.
+    Blind,
+    /// From a sub-cell and a half above the surface, since sub-cells from views are here and there two thick.
+    Lifted,
+    /// From the surface.
+    Exact,
+}
+
+/// How much higher than the surface pixels look, in sub-cells, with [`Sight::Lifted`].
+const LIFT: f64 = 1.0;
+
 #[derive(Debug)]
 pub(super) struct Reconstruction(FullscreenPass);
 
 impl Reconstruction {
-    /// Whether pixels look for what stands between them and a surfel.
-    pub(super) fn new(gpu: &Gpu, looks: bool) -> Self {
-        Self::with(gpu, looks, false)
-    }
-
-    /// Of what light would leak if pixels did not look.
-    pub(super) fn of_leaks(gpu: &Gpu) -> Self {
-        Self::with(gpu, true, true)
-    }
-
-    fn with(gpu: &Gpu, looks: bool, leaks: bool) -> Self {
-        let constants = [("LOOKS", f64::from(u8::from(looks))), ("LEAKS", f64::from(u8::from(leaks)))];
+    /// Of irradiance, or of the part of it that leaks: that comes from surfels which the pixel cannot see.
+    pub(super) fn new(gpu: &Gpu, sight: Sight, leaks: bool) -> Self {
+        let flag = |is: bool| f64::from(u8::from(is));
+        let constants = [
+            ("LOOKS", flag(sight != Sight::Blind)),
+            ("LEAKS", flag(leaks)),
+            ("LIFT", if sight == Sight::Lifted { LIFT } else { 0.0 }),
+        ];
         Self(FullscreenPass::with_constants(gpu, &SHADER, IRRADIANCE_FORMAT, false, &constants))
+    }
+
+    /// The passes for each [`Sight`].
+    pub(super) fn of_each(gpu: &Gpu, leaks: bool) -> [Self; 3] {
+        [Sight::Blind, Sight::Lifted, Sight::Exact].map(|sight| Self::new(gpu, sight, leaks))
     }
 
     pub(super) fn record(

@@ -18,14 +18,19 @@ const ENOUGH: f32 = 1e-3;
 
 // Whether pixels look for what stands between them and a surfel.
 override LOOKS: bool;
-// Whether the result is the share of the light that would leak if they did not look.
-override LEAKS: bool = false;
+// Whether the result is the share of the light that comes from surfels which the pixel cannot see.
+override LEAKS: bool;
+// How much farther off their surfaces pixels and surfels look for each other, in sub-cells.
+override LIFT: f32;
+
+// Of the weighted light, what comes from such surfels.
+var<private> unseen: vec3f;
 
 // Whether a surfel can be seen from `eye`, in sub-cells: one of its open faces, near its middle.
 fn in_sight(surfel: Surfel, eye: vec3f) -> bool {
     let points = bit_count(surfel.bits);
     let corner = subcell_corner(cell_from_index(grid, surfel.cell), nth_bit(surfel.bits, (5u * points) / 8u));
-    let way = corner + 0.5 + 0.75 * FACE_NORMALS[surfel.side / 2u] - eye;
+    let way = corner + 0.5 + (0.75 + LIFT) * FACE_NORMALS[surfel.side / 2u] - eye;
     return march(eye, way, 1.0).ended == REACHED_LIMIT;
 }
 
@@ -63,8 +68,11 @@ fn interpolated(p: vec3f, n: vec3f, eye: vec3f, strict: bool, looks: bool) -> ve
             let surfel = unpack_surfel(surfels[place]);
             let facing = facing_weight(side, surfel, n, strict);
             if facing > 0.0 {
-                let weight = near * facing * select(BLOCKED, 1.0, !looks || in_sight(surfel, eye));
-                sum += weight * vec4f(unpack_half4(shown[place].zw).rgb, 1.0);
+                let hidden = (looks || LEAKS) && !in_sight(surfel, eye);
+                let weight = near * facing * select(1.0, BLOCKED, looks && hidden);
+                let light = weight * unpack_half4(shown[place].zw).rgb;
+                unseen += select(vec3f(0.0), light, hidden);
+                sum += vec4f(light, weight);
             }
         }
     }
@@ -80,19 +88,30 @@ fn from_facing(p: vec3f, n: vec3f, eye: vec3f, looks: bool) -> vec4f {
     return sum;
 }
 
-fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f, looks: bool) -> vec3f {
-    let eye = free_point(p, n, towards_eye);
-    var sum = from_facing(p, n, eye, looks);
+// Where a pixel looks from. In sub-cells of views, which are here and there two thick, from farther above where that is free.
+fn eye_of(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec3f {
+    let lifted = 4.0 * p + (0.6 + LIFT) * n;
+    if LIFT > 0.0 && is_free(lifted) {
+        return lifted;
+    }
+    return free_point(p, n, towards_eye);
+}
+
+// Weighted light, and the sum of the weights.
+fn irradiance_at(p: vec3f, n: vec3f, towards_eye: vec3f) -> vec4f {
+    let eye = eye_of(p, n, towards_eye);
+    var sum = from_facing(p, n, eye, LOOKS);
     // Beside an edge the point may lie level with the sub-cells of its own surface, which then hide all its surfels. Straight
     // above the surface it does not.
     let above = 4.0 * p + 1.2 * n;
     if sum.w < ENOUGH && is_free(above) {
-        sum = from_facing(p, n, above, looks);
+        unseen = vec3f(0.0);
+        sum = from_facing(p, n, above, LOOKS);
     }
     if sum.w < ENOUGH {
-        sum += interpolated(p, n, eye, false, looks);
+        sum += interpolated(p, n, eye, false, LOOKS);
     }
-    return clamp(sum.rgb / max(sum.w, 1e-12), vec3f(0.0), vec3f(HALF_MAX));
+    return sum;
 }
 
 @fragment
@@ -106,12 +125,10 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let world = world_from_texel(view, texel, pixel_depth);
     let nearer = world_from_texel(view, texel, mix(pixel_depth, 1.0 - view.far_depth, 0.5));
     let p = grid_from_world(grid, world);
-    let irradiance = irradiance_at(p, normalize(n), normalize(nearer - world), LOOKS);
+    let sum = irradiance_at(p, normalize(n), normalize(nearer - world));
     if LEAKS {
-        let blind = irradiance_at(p, normalize(n), normalize(nearer - world), false);
-        let more = max(blind - irradiance, vec3f(0.0));
-        let share = max(more.r, max(more.g, more.b)) / max(max(blind.r, max(blind.g, blind.b)), 1e-6);
-        return vec4f(share, 0.0, 0.0, 1.0);
+        let most = max(sum.r, max(sum.g, sum.b));
+        return vec4f(max(unseen.r, max(unseen.g, unseen.b)) / max(most, 1e-12), 0.0, 0.0, 1.0);
     }
-    return vec4f(irradiance, 1.0);
+    return vec4f(clamp(sum.rgb / max(sum.w, 1e-12), vec3f(0.0), vec3f(HALF_MAX)), 1.0);
 }

@@ -93,9 +93,28 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
             }
         }
         let first = flooded(one_bit(nth_bit(open, 0u)), free) & open;
-        keep_place(2u * face, Surfel(true, index, 2u * face, first, normal_here));
-        keep_place(2u * face + 1u, Surfel(true, index, 2u * face + 1u, open & ~first, normal_here));
+        let parts = in_order(index, 2u * face, first, open & ~first);
+        keep_place(2u * face, Surfel(true, index, 2u * face, parts.xy, normal_here));
+        keep_place(2u * face + 1u, Surfel(true, index, 2u * face + 1u, parts.zw, normal_here));
     }
+}
+
+fn bits_before(cell: u32, side: u32) -> vec2u {
+    let place = table[SIDES * cell + side];
+    if place == NO_SURFEL {
+        return vec2u(0u);
+    }
+    return surfels[place].zw;
+}
+
+// The two parts of a side, in the order in which they were there before: what comes to stand between them must not hand the light of
+// the one to the other.
+fn in_order(cell: u32, side: u32, one: vec2u, other: vec2u) -> vec4u {
+    let before = bits_before(cell, side);
+    let before_too = bits_before(cell, side + 1u);
+    let straight = bit_count(one & before) + bit_count(other & before_too);
+    let crossed = bit_count(one & before_too) + bit_count(other & before);
+    return select(vec4u(one, other), vec4u(other, one), crossed > straight);
 }
 
 // Gives the surfel a place, or its place back.
