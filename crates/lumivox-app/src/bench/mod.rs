@@ -13,7 +13,7 @@ mod voxelizers;
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 
 use crate::args::GpuArgs;
@@ -32,6 +32,9 @@ pub(crate) struct BenchArgs {
     /// Small grids and few triangles: under a minute on two cores.
     #[arg(long)]
     quick: bool,
+    /// Of light, these sections alone.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "SECTION")]
+    sections: Vec<light::Section>,
     #[command(flatten)]
     gpu: GpuArgs,
 }
@@ -52,6 +55,9 @@ enum BenchName {
 
 /// Runs the command.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
+    if !args.sections.is_empty() && !args.names.contains(&BenchName::Light) {
+        bail!("--sections are those of light");
+    }
     let gpu = open_gpu(&args.gpu)?;
     for name in &args.names {
         match name {
@@ -64,7 +70,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
             BenchName::Light => {
                 let mut report = Report::new(&args.out, "light", "Indirect light")?;
                 report.say(&timing::words(&gpu, args.quick));
-                light::run(&gpu, args.quick, &mut report)?;
+                light::run(&gpu, args.quick, &args.sections, &mut report)?;
                 report.write()?;
             }
             BenchName::Progressive => {

@@ -4,12 +4,12 @@ use glam::{UVec2, Vec3, Vec4};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
 use lumivox_render::voxel_view::{Slice, VoxelChannel};
-use lumivox_render::{Layer, Settings, VoxelSource};
+use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
 use lumivox_scene::{Camera, Material, Scene, SkyMap, Texture, Wrap, builtin};
 
 use crate::Check;
 use crate::camera::rays;
-use crate::scenes::{Quad, add, picture, small};
+use crate::scenes::{Quad, add, picture, settle, small};
 
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("left is left and up is up", orientation),
@@ -22,6 +22,8 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("the depth layer is metres along the view", depth),
     ("normals face the camera", normals),
     ("what no view has seen is pink", unseen),
+    ("balls show the light in free space, by every way of light", lobes),
+    ("leaks are red where what a pixel sees is not what lights it", leaks),
 ];
 
 /// In front of a wall in the plane z = 0.
@@ -322,5 +324,59 @@ fn unseen(gpu: &Gpu) -> Result<(), Failed> {
         // The other colour only where a border is seen from the side.
         assert!(green.min(pink) < 30, "{voxels:?} at {z}: {green} green, {pink} pink");
     }
+    Ok(())
+}
+
+/// In a furnace radiance is 1 everywhere, so a white ball has 1. Without indirect light balls are black, which tells where they are.
+fn lobes(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::furnace(0);
+    let shown = |gi| -> Result<Vec<Vec3>, Failed> {
+        let settings =
+            Settings { layer: Layer::Lobes, gi, voxels: VoxelSource::Triangles, iterations: 200, ..small() };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        renderer.set_camera(&scene.cameras[0]);
+        settle(&mut renderer)?;
+        Ok(renderer.read_picture()?)
+    };
+    let black = shown(GiMethod::Off)?;
+    let balls: Vec<usize> = (0..black.len()).filter(|&n| black[n] == Vec3::ZERO).collect();
+    assert!(balls.len() > black.len() / 20 && balls.len() < black.len(), "{} pixels of balls", balls.len());
+    // Propagation has less light in free space than at walls.
+    for (gi, range) in [(GiMethod::Gather, 0.97..1.03), (GiMethod::Propagation, 0.5..1.1)] {
+        let picture = shown(gi)?;
+        let (low, high) =
+            balls.iter().fold((f32::MAX, 0f32), |(l, h), &n| (l.min(picture[n].y), h.max(picture[n].y)));
+        eprintln!("{gi:?}: balls have {low:.3} to {high:.3}");
+        assert!(range.contains(&low) && range.contains(&high), "{gi:?}: {low} to {high} of 1");
+        let walls = (0..black.len()).filter(|&n| black[n] != Vec3::ZERO);
+        assert!(
+            walls.clone().count() > 0 && walls.clone().all(|n| picture[n].y < 0.9),
+            "{gi:?}: bright walls"
+        );
+    }
+    Ok(())
+}
+
+/// A lit room gets its light from what its pixels see; the little that is in a dark one beside it comes from elsewhere.
+fn leaks(gpu: &Gpu) -> Result<(), Failed> {
+    let thickness = 0.095;
+    let scene = builtin::two_rooms(0, thickness);
+    let mut shares = Vec::new();
+    for side in [-1.0, 1.0] {
+        let settings =
+            Settings { layer: Layer::Leaks, gi: GiMethod::Gather, voxels: VoxelSource::Triangles, ..small() };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        let from = Vec3::new(side * (0.5 * thickness + 3.8), 1.4, 1.8);
+        renderer.set_camera(&Camera::look("room", from, Vec3::new(side * 0.5, 1.2, -0.5), 80.0));
+        settle(&mut renderer)?;
+        let picture = renderer.read_picture()?;
+        // From blue for none to red for all.
+        let mean = |of: fn(&Vec3) -> f32| picture.iter().map(of).sum::<f32>() / picture.len() as f32;
+        shares.push((mean(|p| p.x), mean(|p| p.z)));
+        assert!(picture.iter().all(|p| p.is_finite() && p.min_element() >= 0.0));
+    }
+    eprintln!("leaks, red and blue: lit room {:?}, dark room {:?}", shares[0], shares[1]);
+    assert!(shares[0].0 < 0.05 && shares[0].1 > 0.5, "the lit room leaks: {:?}", shares[0]);
+    assert!(shares[1].0 > 0.2, "the dark room's light comes from what it sees: {:?}", shares[1]);
     Ok(())
 }

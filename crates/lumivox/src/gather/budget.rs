@@ -15,7 +15,7 @@
 /// ```
 ///
 /// It goes down at once when a frame took too long and up slowly, and aims a tenth below the budget, so that ordinary noise stays
-/// within. It cannot go below what does not depend on turns: shadow views, and one look at each surfel.
+/// within. It cannot go below what does not depend on turns: shadow views, making surfels where something has moved, and four short passes over all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightBudget {
     budget_ms: f64,

@@ -1,7 +1,8 @@
 //! Direct light, asked of a view at points of each surfel.
 //!
 //! A point is the middle of one of the surfel's sub-cells. Where the view sees a surface that faces the surfel's way, no farther
-//! from the surfel's plane through the point than a sub-cell and a bit, it sees the surfel, and what it shows of it counts.
+//! from the surfel's plane through the point than a sub-cell and a bit, and no farther from the point than its texel reaches along the
+//! surface, it sees the surfel, and what it shows of it counts.
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::progressive::LightView;
@@ -19,7 +20,7 @@ pub(super) const SHADER: Shader = Shader {
 const SAME_SIDE: f64 = 0.2;
 /// Distance from the surfel's plane through a point, in sub-cells. A surface is up to 0.87 from the middle of its sub-cell.
 const NEAR_PLANE: f64 = 2.0;
-/// Distance from the point, in sub-cells: along the surface it is longer, in light that grazes it.
+/// Distance from the point, in sub-cells, where a texel reaches less far: along the surface it is longer, in light that grazes it.
 const NEAR_POINT: f64 = 6.0;
 
 #[derive(Debug)]

@@ -13,6 +13,16 @@
 override SAME_SIDE: f32;
 override NEAR_PLANE: f32;
 override NEAR_POINT: f32;
+// Cosine below which a texel is not followed any farther along the surface that it grazes.
+const STEEPEST: f32 = 0.05;
+
+// How far a texel reaches along a surface with normal n, in metres: far, where the view grazes it.
+fn texel_reach(texel: vec2u, recorded: f32, n: vec3f) -> f32 {
+    let here = world_from_texel(view, texel, recorded);
+    let beside = distance(world_from_texel(view, texel + vec2u(1u, 0u), recorded), here);
+    let ahead = normalize(world_from_texel(view, texel, 0.3) - world_from_texel(view, texel, 0.7));
+    return beside / max(abs(dot(ahead, n)), STEEPEST);
+}
 
 // Radiance that leaves the surface at a point, as the view shows it; black where it sees something else.
 fn seen(surfel: Surfel, point: vec3f, subcell_size: f32) -> vec3f {
@@ -25,7 +35,8 @@ fn seen(surfel: Surfel, point: vec3f, subcell_size: f32) -> vec3f {
         return vec3f(0.0);
     }
     let away = world_from_texel(view, at.texel, recorded) - point;
-    if abs(dot(away, surfel.normal)) > NEAR_PLANE * subcell_size || length(away) > NEAR_POINT * subcell_size {
+    let near_point = max(NEAR_POINT * subcell_size, texel_reach(at.texel, recorded, surfel.normal));
+    if abs(dot(away, surfel.normal)) > NEAR_PLANE * subcell_size || length(away) > near_point {
         return vec3f(0.0);
     }
     return clamp(textureLoad(radiance, at.texel, 0).rgb, vec3f(0.0), vec3f(HALF_MAX));

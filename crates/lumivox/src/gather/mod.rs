@@ -36,6 +36,10 @@
 //! frame receive indirect light at once and direct light in the next.
 //! Surfels keep their place and their light from frame to frame, so that one or two bounces a frame are all bounces in time.
 //!
+//! **Motion.** A surfel that is new begins with the mean light of those around it that it can see, and goes from there to its own by three tenths
+//! a frame; one whose sub-cells or normal have changed likewise, until eight turns after. So what moves through the grid does not boil with the grain
+//! of each cell that it comes into, and is late by a few frames with the light that falls on it.
+//!
 //! **Turns.** Not all surfels need new light in each frame: with [`GatherSettings::frames`] above 1 they take turns, new ones at
 //! once, and [`LightBudget`] finds how many can have theirs in the time that a frame has for it. Or the whole waits and is updated
 //! every n-th frame ([`begin_nth_frame`](GatheredLight::begin_nth_frame)). Either way what pixels see changes in even steps.

@@ -52,10 +52,10 @@ impl Default for GatherSettings {
 ///
 /// | preset | rays of a surfel | frames of a round | points asked for light | bytes of a surfel |
 /// | --- | ---: | ---: | ---: | ---: |
-/// | low | 32 | 3 | 4 | 220 |
-/// | medium | 64 | 2 | 16 | 348 |
-/// | high | 256 | 1 | 16 | 1116 |
-/// | reference | 192 | 1 | 64 | 860 |
+/// | low | 32 | 3 | 4 | 228 |
+/// | medium | 64 | 2 | 16 | 356 |
+/// | high | 256 | 1 | 16 | 1124 |
+/// | reference | 192 | 1 | 64 | 868 |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
     /// For weak devices: grain of a tenth, and what moves lights others up to nine frames later.

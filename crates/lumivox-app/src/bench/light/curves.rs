@@ -5,9 +5,10 @@ use lumivox::gather::GatherSettings;
 use lumivox::gpu::Gpu;
 use lumivox_render::{GiMethod, Settings};
 
+use super::errors;
 use super::stage::Stage;
 use crate::bench::plot::{Plot, Series};
-use crate::bench::report::{Report, Row};
+use crate::bench::report::{Report, Row, ms};
 
 /// Scenes that the curves are drawn for.
 const SCENES: [&str; 2] = ["cornell", "room"];
@@ -47,6 +48,7 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
     ));
     for stage in stages.iter().filter(|s| SCENES.contains(&s.case.name)) {
         let (mut by_work, mut by_time) = (Vec::new(), Vec::new());
+        let mut lines = Vec::new();
         for sweep in &SWEEPS {
             let (mut work, mut time) = (Vec::new(), Vec::new());
             let values = if quick { &sweep.values[1..4] } else { sweep.values };
@@ -54,6 +56,9 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
                 let settings = (sweep.apply)(stage.settings(sweep.gi, grid), value);
                 let found = stage.measure(gpu, settings, 0)?;
                 let Some(trimmed) = found.comparison.trimmed else { continue };
+                let low = found.comparison.low_frequency.map_or_else(|| "-".to_owned(), errors::percent);
+                let what = format!("{}, {value} {}", sweep.name, sweep.varied);
+                lines.push(vec![what, errors::percent(trimmed), low, ms(found.light_ms)]);
                 work.push((f64::from(value), 1e2 * trimmed));
                 time.push((found.light_ms, 1e2 * trimmed));
                 report.push(Row {
@@ -70,6 +75,7 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
             by_time.push(Series { name: sweep.name.to_owned(), points: time });
         }
         let name = stage.case.name;
+        report.table(&[name, "trimmed", "low", "ms"].map(str::to_owned), &lines);
         let plot =
             |x, series| Plot { title: format!("{name}, {grid} cells"), x, y: "trimmed NRMSE, %", series };
         report.plot(&format!("work-{name}"), &plot("steps or rays", by_work))?;

@@ -59,7 +59,8 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
         }
     }
     report.say(
-        "A star marks scenes with glowing surfaces, where the sum of direct and indirect light is compared.",
+        "A star marks scenes with glowing surfaces, where the sum of direct and indirect light is compared. Light propagation volumes \
+         know no glowing surfaces: where nothing else shines, as on the staircase, they are black.",
     );
     Ok(())
 }
@@ -73,6 +74,11 @@ impl Sums {
             self.ratio += ratio;
             self.scenes += 1.0;
         }
+    }
+
+    /// Whether anything was added.
+    pub(super) fn any(&self) -> bool {
+        self.scenes > 0.0
     }
 
     /// The means as the last line of a table.
