@@ -138,7 +138,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [("under the ceiling", (32, 8)), ("by the red wall", (4, 32)), ("above the floor", (32, 58))]
     {
         let [r, g, b, _] = at(p.0, p.1);
-        println!("{what}: {r:.3} {g:.3} {b:.3} W/(m2 sr)");
+        eprintln!("{what}: {r:.3} {g:.3} {b:.3} W/(m2 sr)");
     }
     Ok(())
 }

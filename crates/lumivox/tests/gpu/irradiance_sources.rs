@@ -55,6 +55,9 @@ fn propagated(lab: &Lab, cells: &Cells, steps: u32) -> Result<(VolumeBuffer, Ind
     Ok((world.volume, light))
 }
 
+/// Its name, its light and its volume, and the least and the most of the closed form that it may have.
+type Way<'a> = (&'static str, &'a dyn IrradianceSource, &'a VolumeBuffer, (f32, f32));
+
 /// A closed room that glows evenly, asked in its middle and before its walls.
 fn furnace(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
@@ -66,7 +69,7 @@ fn furnace(labs: &Labs) -> Result<(), Failed> {
     let mut gathered = Room::new(gpu, &cells, GatherSettings::default())?;
     gathered.frame(gpu, 30)?;
     // Light that is handed from cell to cell thins out between the walls that it leaves and reaches in full.
-    let ways: [(&str, &dyn IrradianceSource, &VolumeBuffer, (f32, f32)); 2] = [
+    let ways: [Way<'_>; 2] = [
         ("propagation", &light, &volume, (0.55, 1.06)),
         ("gather", &gathered.light, &gathered.volume, (0.97, 1.03)),
     ];

@@ -145,7 +145,9 @@ fn renderer(gpu: &Gpu, stage: &Stage, settings: Settings) -> Result<Renderer> {
 fn frame_cost(gpu: &Gpu, renderer: &mut Renderer) -> Result<f64> {
     gpu.wait()?;
     let stages = renderer.frame(Some(clock::millis))?.stages;
-    Ok(stages.iter().filter(|s| Renderer::PACED_STAGES.contains(&s.stage)).map(|s| s.millis).sum())
+    let paced = stages.iter().filter(|s| Renderer::PACED_STAGES.contains(&s.stage));
+    // Not the sum of nothing, which is -0.
+    Ok(paced.map(|s| s.millis).fold(0.0, |sum, ms| sum + ms))
 }
 
 fn mean(renderer: &Renderer) -> Result<f64> {
