@@ -30,6 +30,10 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
             matches!(args.voxels, VoxelsArg::Unseen) && shows_voxels && from_triangles,
             "--voxels unseen shows nothing in pink where voxels come from triangles: try --voxelizer progressive",
         ),
+        (
+            args.layer == LayerArg::Lobes && matches!(gi, GiArg::Off),
+            "--layer lobes shows indirect light, and is black with --gi off",
+        ),
         (needs_gather && !gathers, "this --layer is of gathered light, and black without --gi gather"),
     ];
     found
@@ -100,6 +104,7 @@ mod tests {
             "--frames 3 --light-budget 4",
             "--layer voxels --slice y:1 --voxels unseen --voxelizer progressive",
             "--layer lobes",
+            "--layer lobes --gi propagation",
             "--ao field --ao-reach 2 --casters ball --field-maps nearest",
             "--shadows field --light-radius 0.2 --field-rays 4",
             "--reflections field --polish 0.1 --field-points 290",
@@ -117,6 +122,7 @@ mod tests {
             "--voxels normal",
             "--layer voxels --voxels unseen",
             "--layer leaks --gi off",
+            "--layer lobes --gi off",
             "--casters ball",
             "--field-points 290 --field-maps nearest",
             "--polish 0.2 --ao field",
