@@ -37,6 +37,7 @@
 //! | *Two single-pass multichannel voxelizers*: the Volume Buffer | [`volume`] |
 //! | the same; dissertation 5.5.1 and chapter 6: voxelization of triangles | [`voxelize`] |
 //! | *Fast Scene Voxelization and Applications*, 2006: a bit for each cell of a column, and light behind leaves | [`slicemap`] |
+//! | the same, 3.2: shadow volumes, culled and clamped | [`shadow_volumes`] |
 //! | the same, 3.3: refraction and frosted glass | [`refraction`] |
 
 // The macros of this crate name it from outside and from inside.

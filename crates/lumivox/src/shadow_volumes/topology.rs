@@ -37,7 +37,8 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// Of triangles as they stand before anything moves them.
+    /// Of triangles as they stand before anything moves them, with the vertices in the order in which the
+    /// [`Mesh`](crate::voxelize::Mesh) has them.
     pub fn new(mesh: &TriangleView<'_>) -> Self {
         let mut topology = Self::default();
         topology.weld(mesh);

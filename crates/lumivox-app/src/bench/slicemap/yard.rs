@@ -1,5 +1,7 @@
 //! A yard of many casters, and the depth image of it.
 
+use std::ops::Range;
+
 use anyhow::Result;
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::bytemuck;
@@ -16,8 +18,8 @@ const STEP: f32 = 2.0;
 pub(super) struct Yard {
     positions: Vec<[f32; 3]>,
     indices: Vec<[u32; 3]>,
-    /// Of each caster its vertices and triangles.
-    parts: Vec<[std::ops::Range<usize>; 2]>,
+    /// Of each caster its triangles.
+    parts: Vec<Range<usize>>,
     /// Half of its side in metres.
     pub(super) half: f32,
 }
@@ -40,7 +42,8 @@ impl Yard {
         // Places by the golden ratio: no pattern, and the same everywhere.
         let place = |n: u32, by: f32| (n as f32 * 0.618_034 + by).fract();
         for n in 0..side * side {
-            let corner = Vec3::new((n % side) as f32, 0.0, (n / side) as f32) * STEP - half + 1.0;
+            let corner = STEP * Vec3::new((n % side) as f32, 0.0, (n / side) as f32)
+                - (half - 1.0) * Vec3::new(1.0, 0.0, 1.0);
             let at = corner + Vec3::new(place(n, 0.1), 0.0, place(7 * n, 0.5));
             let (width, height) = (0.2 + 0.3 * place(3 * n, 0.0), 0.4 + 1.6 * place(5 * n, 0.3));
             yard.cuboid(at, at + Vec3::new(width, height, width));
@@ -61,10 +64,9 @@ impl Yard {
     }
 
     pub(super) fn topologies(&self) -> Vec<Topology> {
-        let of = |[vertices, triangles]: &[std::ops::Range<usize>; 2]| {
-            let first = vertices.start as u32;
-            let own: Vec<_> = self.indices[triangles.clone()].iter().map(|t| t.map(|i| i - first)).collect();
-            Topology::new(&TriangleView { positions: &self.positions[vertices.clone()], indices: &own })
+        let of = |triangles: &Range<usize>| {
+            let indices = &self.indices[triangles.clone()];
+            Topology::new(&TriangleView { positions: &self.positions, indices })
         };
         self.parts.iter().map(of).collect()
     }
@@ -81,7 +83,7 @@ impl Yard {
         let positions =
             buffer("yard/positions", bytemuck::cast_slice(&self.positions), wgpu::BufferUsages::VERTEX);
         let indices = buffer("yard/indices", bytemuck::cast_slice(&self.indices), wgpu::BufferUsages::INDEX);
-        let mesh = |[_, triangles]: &[std::ops::Range<usize>; 2]| {
+        let mesh = |triangles: &Range<usize>| {
             let format = wgpu::VertexFormat::Float32x3;
             let vertices = VertexView { buffer: &positions, offset: 0, stride: 12, format };
             let indices = IndexView {
@@ -134,7 +136,7 @@ impl Yard {
         let (vertex, triangle) = (self.positions.len(), self.indices.len());
         self.positions.extend(positions);
         self.indices.extend(triangles.map(|t| t.map(|i| vertex as u32 + i)));
-        self.parts.push([vertex..self.positions.len(), triangle..self.indices.len()]);
+        self.parts.push(triangle..self.indices.len());
     }
 }
 
