@@ -186,7 +186,7 @@ impl ShadowVolumes {
     }
 
     /// 0 in the shadow of a light, 1 elsewhere, in red: what the light is multiplied by.
-    /// [`FACTOR_FORMAT`](crate::visibility::FACTOR_FORMAT). None for a light that there is not.
+    /// [`FACTOR_FORMAT`]. None for a light that there is not.
     pub fn mask(&self, light: usize) -> Option<&Texture> {
         self.lights.get(light).map(|light| &light.mask)
     }
