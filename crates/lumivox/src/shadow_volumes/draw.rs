@@ -40,13 +40,13 @@ pub(super) struct Draw {
     pub(super) stencil: Texture,
 }
 
-/// What is drawn of the lists: all over the picture the first, and each of the others within its layer.
+/// What is drawn of the lists: all over the picture the first, and each of the others within its run of layers.
 pub(super) struct Drawn<'a> {
     pub(super) uniform: &'a Uniform<VolumeUniform>,
     pub(super) vertices: &'a Buffer,
     pub(super) primitives: &'a Buffer,
     pub(super) draws: &'a Buffer,
-    /// Corners and sizes of the layers in pixels.
+    /// Corners and sizes of these runs in pixels.
     pub(super) layers: &'a [[u32; 4]],
 }
 
@@ -118,8 +118,9 @@ impl Draw {
         });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.draw_indirect(&drawn.draws.raw, 0);
-        for (list, &[x, y, width, height]) in (1..).zip(drawn.layers) {
+        pass.draw_indirect(&drawn.draws.raw, 16);
+        let lists = (2..).zip(drawn.layers).filter(|(_, [_, _, width, height])| width * height > 0);
+        for (list, &[x, y, width, height]) in lists {
             pass.set_scissor_rect(x, y, width, height);
             pass.draw_indirect(&drawn.draws.raw, 16 * list);
         }

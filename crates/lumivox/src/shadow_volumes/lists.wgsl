@@ -1,5 +1,8 @@
-// The lists of triangles that are drawn: all over the picture, and in one layer each. Filled twice: first only counted, so that
+// The lists of triangles that are drawn: all over the picture, and within runs of layers. Filled twice: first only counted, so that
 // `plan` can give each list its place.
+//
+// Runs are those of a binary tree: list 1 is of all layers, and lists 2n and 2n + 1 are of the halves of list n's. So any run of layers
+// is a few of them.
 //
 // The shader that uses this binds `volume`, `vertices`, `kept`, `lists` and `primitives`.
 
@@ -8,11 +11,11 @@ override EMITS: bool;
 
 // In `lists`: how many triangles each has; where each goes on; how many there were in one list alone; sides in the lists and in
 // one; whether the lists are too long, so that all go into one.
-const CURSORS: u32 = 129u;
-const WHOLE: u32 = 258u;
-const SIDES: u32 = 259u;
-const WHOLE_SIDES: u32 = 260u;
-const TOO_LONG: u32 = 261u;
+const CURSORS: u32 = 256u;
+const WHOLE: u32 = 512u;
+const SIDES: u32 = 513u;
+const WHOLE_SIDES: u32 = 514u;
+const TOO_LONG: u32 = 515u;
 
 fn push(list: u32, a: u32, b: u32, c: u32) {
     if !EMITS {
@@ -81,6 +84,29 @@ fn layers_of(corners: vec4u, count: u32) -> vec2i {
     return vec2i(ends * volume.layers / u32(pixels));
 }
 
+// Puts a face into the lists of a run of layers; returns how many these are.
+fn push_run(first: u32, last: u32, corners: vec4u, count: u32) -> u32 {
+    // The leaves of the tree begin after as many lists as it has.
+    var low = first + volume.leaves;
+    var end = last + 1u + volume.leaves;
+    var times = 0u;
+    while low < end {
+        if (low & 1u) != 0u {
+            push_face(low, corners, count);
+            low += 1u;
+            times += 1u;
+        }
+        if (end & 1u) != 0u {
+            end -= 1u;
+            push_face(end, corners, count);
+            times += 1u;
+        }
+        low /= 2u;
+        end /= 2u;
+    }
+    return times;
+}
+
 // Puts a face of a caster's volume into the lists: into that of the whole picture if all layers that it touches are kept, else into
 // those of the layers that are.
 fn put(caster: u32, corners: vec4u, count: u32, is_side: bool) {
@@ -92,7 +118,7 @@ fn put(caster: u32, corners: vec4u, count: u32, is_side: bool) {
     }
     var times = 0u;
     if volume.culls == 0u || atomicLoad(&lists[TOO_LONG]) != 0u {
-        push_face(0u, corners, count);
+        push_face(1u, corners, count);
         times = 1u;
     } else if kept[caster * (volume.words + 1u)] != 0u {
         let layers = layers_of(corners, count);
@@ -101,14 +127,18 @@ fn put(caster: u32, corners: vec4u, count: u32, is_side: bool) {
             dropped += select(1, 0, is_kept(caster, u32(layer)));
         }
         if dropped == 0 && layers.x <= layers.y {
-            push_face(0u, corners, count);
+            push_face(1u, corners, count);
             times = 1u;
         } else {
-            for (var layer = layers.x; layer <= layers.y; layer++) {
-                if is_kept(caster, u32(layer)) {
-                    push_face(1u + u32(layer), corners, count);
-                    times += 1u;
+            var first = layers.x;
+            for (var layer = layers.x; layer <= layers.y + 1; layer++) {
+                if layer <= layers.y && is_kept(caster, u32(layer)) {
+                    continue;
                 }
+                if first < layer {
+                    times += push_run(u32(first), u32(layer - 1), corners, count);
+                }
+                first = layer + 1;
             }
         }
     }

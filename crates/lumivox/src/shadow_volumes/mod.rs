@@ -122,6 +122,7 @@ impl ShadowVolumes {
                 culls: u32::from(culling.is_some()),
                 layers: culling.map_or(0, |c| c.layers),
                 words: culling.map_or(0, |c| c.words()),
+                leaves: culling.map_or(1, |c| c.leaves()),
                 triangles: self.casters.triangle_count,
                 edges: self.casters.edge_count,
                 casters: self.casters.count() as u32,

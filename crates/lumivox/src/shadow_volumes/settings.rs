@@ -92,13 +92,24 @@ impl CullSettings {
         Ok(())
     }
 
-    /// Corner and size in pixels of each layer of a picture that is cut along an axis: columns, or rows.
+    /// Layers, up to a power of two.
+    pub(super) fn leaves(&self) -> u32 {
+        self.layers.next_power_of_two()
+    }
+
+    /// Corner and size in pixels of what the lists from 2 on are drawn in: half of the layers of a picture that is cut along an axis (0:
+    /// into columns, 1: rows), and so on down to single layers. Nothing of lists behind the last layer.
     pub(super) fn rectangles(&self, size: UVec2, axis: u32) -> Vec<[u32; 4]> {
         let pixels = size.to_array()[axis as usize];
         // The first pixel `p` with `p * layers / pixels` rounded down at least `layer`.
-        let first = |layer: u32| (layer * pixels).div_ceil(self.layers);
-        (0..self.layers)
-            .map(|layer| (first(layer), first(layer + 1)))
+        let first = |layer: u32| (layer.min(self.layers) * pixels).div_ceil(self.layers);
+        (2..2 * self.leaves())
+            .map(|list| {
+                let level = list.ilog2();
+                let run = self.leaves() >> level;
+                let layer = (list - (1 << level)) * run;
+                (first(layer), first(layer + run))
+            })
             .map(|(a, b)| if axis == 0 { [a, 0, b - a, size.y] } else { [0, a, size.x, b - a] })
             .collect()
     }
@@ -141,10 +152,10 @@ crate::gpu_struct! {
         pub culls: u32,
         /// Views of the light.
         pub light_views: u32,
+        /// Layers, up to a power of two; 1 without any.
+        pub leaves: u32,
         /// Unused.
-        pub reserved_0: u32,
-        /// Unused.
-        pub reserved_1: u32,
+        pub reserved: u32,
         /// World to the clip space of each view of the light.
         pub clip_from_world_of_light: [Mat4; MAX_LIGHT_VIEWS],
     }
@@ -199,15 +210,22 @@ mod tests {
     fn layers_are_the_pixels_that_the_shader_counts_to_them() {
         for (layers, size) in [(1, 7), (32, 480), (32, 479), (128, 100), (77, 1000)] {
             let settings = CullSettings { layers, ..CullSettings::default() };
+            let leaves = settings.leaves();
             for axis in [0, 1] {
                 let mut picture = UVec2::splat(5);
                 picture[axis as usize] = size;
                 let rectangles = settings.rectangles(picture, axis);
                 for pixel in 0..size {
-                    let layer = (pixel * layers / size) as usize;
-                    for (n, rectangle) in rectangles.iter().enumerate() {
+                    // A layer's list, and those of the runs that hold it.
+                    let leaf = leaves + pixel * layers / size;
+                    for (list, rectangle) in (2..).zip(&rectangles) {
                         let (first, count) = (rectangle[axis as usize], rectangle[2 + axis as usize]);
-                        assert_eq!((first..first + count).contains(&pixel), n == layer, "{layers} of {size}");
+                        let holds = list <= leaf && leaf >> (leaf.ilog2() - list.ilog2()) == list;
+                        assert_eq!(
+                            (first..first + count).contains(&pixel),
+                            holds,
+                            "{layers} of {size}, {list}"
+                        );
                     }
                 }
             }

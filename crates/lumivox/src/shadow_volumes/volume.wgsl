@@ -24,8 +24,9 @@ struct VolumeUniform {
     capacity: u32,
     culls: u32,
     light_views: u32,
-    reserved_0: u32,
-    reserved_1: u32,
+    // Layers, up to a power of two; 1 without any.
+    leaves: u32,
+    reserved: u32,
     clip_from_world_of_light: array<mat4x4f, 6>,
 }
 

@@ -18,7 +18,9 @@ pub(super) const SIDES: Shader =
 pub(super) const PLAN: Shader = Shader { name: "volumes/plan", parts: &[VOLUME, include_str!("plan.wgsl")] };
 
 /// Words of the buffer `lists`.
-const LIST_WORDS: usize = 262;
+const LIST_WORDS: usize = 2 * LISTS_AT_MOST + 4;
+/// Runs of layers in a binary tree, and one that is none.
+const LISTS_AT_MOST: usize = 2 * MAX_LAYERS as usize;
 
 /// How much of the volumes is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,7 +29,7 @@ pub struct VolumeCounts {
     pub casters: u32,
     /// Those of which anything is drawn.
     pub kept_casters: u32,
-    /// Sides that are drawn, once for each layer that they are drawn in alone.
+    /// Sides that are drawn, once for each run of layers that they are drawn in.
     pub sides: u32,
     /// Sides of all volumes.
     pub all_sides: u32,
@@ -83,7 +85,7 @@ impl Volumes {
             nets: storage("volumes/nets", casters.edge_count.into())?,
             lists: storage("volumes/lists", LIST_WORDS as u64)?,
             primitives: storage("volumes/primitives", 3 * capacity)?,
-            draws: Buffer::with_usage(gpu, "volumes/draws", 16 * u64::from(MAX_LAYERS + 1), draws),
+            draws: Buffer::with_usage(gpu, "volumes/draws", 16 * LISTS_AT_MOST as u64, draws),
             capacity: capacity as u32,
         })
     }
@@ -156,7 +158,7 @@ impl Volumes {
     pub(super) fn read_counts(&self, gpu: &Gpu) -> Result<VolumeCounts, GpuError> {
         let words: Vec<u32> = read_buffer(gpu, &self.lists)?;
         let word = |n: usize| words.get(n).copied().unwrap_or_default();
-        let lists = MAX_LAYERS as usize + 1;
+        let lists = LISTS_AT_MOST;
         Ok(VolumeCounts {
             triangles: words.iter().take(lists).sum(),
             all_triangles: word(2 * lists),

@@ -88,7 +88,7 @@ pub(super) fn volumes(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Re
     report.head("Shadow volumes: culling and clamping");
     report.say(&format!(
         "A yard of {} casters ({} triangles: posts, balls over them, a wall, a roof over half of it) in a picture of {} x {}, {} layers, views of the \
-         light of {} texels a side (a lamp has six). Quads are sides of volumes that are drawn, once for each layer that they are drawn in alone; filled pixels are \
+         light of {} texels a side (a lamp has six). Quads are sides of volumes that are drawn, once for each run of layers that they are kept in; filled pixels are \
          all fragments of sides and caps, counted one by one. *Differing pixels* compares the mask with that of all volumes. Milliseconds are of everything from \
          meshes and depth image to the mask.",
         yard.casters(),

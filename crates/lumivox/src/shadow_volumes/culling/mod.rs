@@ -4,7 +4,8 @@
 //! of pixels, or between rows, whichever lies more across the light's way in the picture. So a layer is a rectangle, and what a volume
 //! has in it is drawn with that rectangle as the scissor: the same triangles as without layers, which therefore
 //! cover the same pixels at the same depths, bit for bit. Corners that are cut anew at planes, as in the paper, would each be rounded
-//! to the raster in its own way, and edges with them. Faces of which all layers are kept are drawn once.
+//! to the raster in its own way, and edges with them. Runs of layers have rectangles too, halves of halves, and faces of which all
+//! layers are kept are drawn once.
 //!
 //! **Slices.** In a view of the light each texel has a bit for each layer: whether a visible surface lies in it there. That is the paper's slicemap,
 //! made of the depth image's pixels, each put where the light would see it (its *pixel-based receiver culling*, and exact), or of the
@@ -120,7 +121,7 @@ impl Culling {
         &self.store.kept
     }
 
-    /// Corner and size of each layer in pixels.
+    /// Corner and size in pixels of what each list from 2 on is drawn in.
     pub(super) fn rectangles(&self, size: UVec2, axis: u32) -> Vec<[u32; 4]> {
         self.settings.rectangles(size, axis)
     }
