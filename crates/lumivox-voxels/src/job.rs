@@ -208,9 +208,9 @@ impl<'a> Job<'a> {
     #[inline(always)]
     pub(crate) fn triangle(&self, mesh: usize, number: u32, reach: CellBox) -> Triangle {
         let view = &self.model.meshes[mesh].triangles;
-        let [a, b, c] = view.indices[number as usize];
-        let at = |n: u32| self.placements[mesh].corner(&view.positions[n as usize]);
-        Triangle { corners: [at(a), at(b), at(c)], reach }
+        let [a, b, c] = view.indices[number as usize].map(|n| n as usize);
+        let positions = [&view.positions[a], &view.positions[b], &view.positions[c]];
+        Triangle { corners: self.placements[mesh].corners(positions), reach }
     }
 
     /// A point in cells, in the world.

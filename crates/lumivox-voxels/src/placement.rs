@@ -84,10 +84,18 @@ impl Placement {
     }
 
     /// A vertex in units of cells.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corner(&self, position: &[f32; 3]) -> DVec3 {
+        match &self.way {
+            Way::Scaled(scaled) if self.snap == 0.0 => scaled.corner(position),
+            _ => self.any_corner(position),
+        }
+    }
+
+    /// Not inlined, so that the code of most meshes stays near.
+    #[inline(never)]
+    fn any_corner(&self, position: &[f32; 3]) -> DVec3 {
         let corner = match &self.way {
-            Way::Scaled(scaled) if self.snap == 0.0 => return scaled.corner(position),
             Way::Scaled(scaled) => scaled.at(position),
             Way::Affine(grid_from_local) => {
                 grid_from_local.transform_point3(DVec3::from_array(position.map(f64::from)))
@@ -99,6 +107,15 @@ impl Placement {
         let boundary = corner.round();
         let is_near = (corner - boundary).abs().cmple(DVec3::splat(self.snap));
         self.rim.onto(DVec3::select(is_near, boundary, corner))
+    }
+
+    /// Corners of a triangle.
+    #[inline(always)]
+    pub(crate) fn corners(&self, [a, b, c]: [&[f32; 3]; 3]) -> [DVec3; 3] {
+        match &self.way {
+            Way::Scaled(scaled) if self.snap == 0.0 => [scaled.corner(a), scaled.corner(b), scaled.corner(c)],
+            _ => [self.any_corner(a), self.any_corner(b), self.any_corner(c)],
+        }
     }
 
     /// The cell of a corner.

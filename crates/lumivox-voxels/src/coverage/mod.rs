@@ -39,13 +39,13 @@ pub enum Coverage {
 }
 
 /// Calls `mark` for each cell of `within` that the triangle marks.
-#[inline]
+#[inline(always)]
 pub(crate) fn walk(coverage: Coverage, triangle: &Triangle, within: &CellBox, mark: &mut impl FnMut(IVec3)) {
     walk_facing(coverage, triangle, || triangle.normal(), within, mark);
 }
 
 /// The same for a triangle whose normal is there.
-#[inline]
+#[inline(always)]
 pub(crate) fn walk_facing(
     coverage: Coverage,
     triangle: &Triangle,

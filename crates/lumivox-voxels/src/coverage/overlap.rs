@@ -34,7 +34,7 @@ pub(crate) trait Reach {
 }
 
 /// Calls `mark` for each cell of `within` that the triangle marks.
-#[inline]
+#[inline(always)]
 pub(crate) fn walk<R: Reach>(
     triangle: &Triangle,
     normal: impl FnOnce() -> DVec3,
