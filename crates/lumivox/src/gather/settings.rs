@@ -5,8 +5,8 @@ use glam::Vec3;
 /// How light is gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatherSettings {
-    /// Rays of a surfel, 1 to 1024. More mean less grain; the error of a surfel's irradiance falls about as fast as their number
-    /// grows. Memory is 4 bytes a ray.
+    /// Rays of a surfel, 1 to 1024. More mean less grain: the largest difference between a surfel of a room and its mirror image's falls
+    /// from 24 % with 64 rays to 4.5 % with 1024. Memory is 4 bytes a ray.
     pub rays: u32,
     /// Frames in which all surfels have a turn: their direct light, rays and bounces. 1 and up, and not always whole:
     /// [`LightBudget`](super::LightBudget) finds the number that fits into a frame's time. With more a frame costs less, and light
@@ -58,7 +58,8 @@ impl Default for GatherSettings {
 /// | reference | 192 | 1 | 64 | 868 |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// For weak devices: grain of a tenth, and what moves lights others up to nine frames later.
+    /// For weak devices: in the Cornell box at 64 cells an error of 3 % in the large and about 8 % with grain; and what moves lights others
+    /// up to nine frames later.
     Low,
     /// For motion.
     Medium,
