@@ -30,7 +30,10 @@ impl Picture {
             | Layer::Lobes
             | Layer::Glossy
             | Layer::Reflections => tone::tone_mapped(*p, exposure_ev),
-            Layer::Albedo | Layer::Normal | Layer::Leaks | Layer::Occlusion => tone::srgb_bytes(*p),
+            Layer::Albedo | Layer::Normal | Layer::Leaks | Layer::Occlusion | Layer::Transmittance => {
+                tone::srgb_bytes(*p)
+            }
+            Layer::Thickness => [(255.0 * (p.x / farthest).clamp(0.0, 1.0)) as u8; 3],
             Layer::Depth => [(255.0 * (1.0 - p.x / farthest).clamp(0.0, 1.0)) as u8; 3],
         });
         let mut image = RgbImage::new(self.width, self.height);

@@ -57,6 +57,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         bail!("--light-budget must be 0.01 to 1e6 milliseconds");
     }
     check(&args.shot)?;
+    args.see_through.check()?;
     let outputs: Vec<&Path> = [Some(first.as_path()), args.stats.as_deref()].into_iter().flatten().collect();
     outputs.iter().try_for_each(|path| output::prepare(path))?;
     output::check_apart(&[&args.shot.scene], &outputs)?;
@@ -83,12 +84,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         voxel_slice: args.slice.map(|slice| slice.0),
         ..usual
     };
-    let settings = lookups::with_objects(settings, &args.objects, is_still);
+    let settings = args.see_through.with(lookups::with_objects(settings, &args.objects, is_still));
     let mut renderer =
         Renderer::with_fields(&gpu, &scene, settings, &fields).with_context(|| args.shot.scene.clone())?;
     if let Some(SliceArg(slice)) = args.slice {
         check_slice(slice, renderer.volume().grid())?;
     }
+    args.see_through.apply(&mut renderer, &scene);
     let mut work = Work::default();
     match args.frames {
         Some(count) => {

@@ -44,6 +44,10 @@ pub enum Layer {
     Occlusion,
     /// What surfaces mirror, if all are polished: objects with visibility fields, and the rest around them.
     Reflections,
+    /// What leaves and other absorbers leave of the first light that has slicemaps, 0 to 1 in each colour.
+    Transmittance,
+    /// Metres of glass that the ray of a pixel crosses, up to what is opaque.
+    Thickness,
 }
 
 /// How surfaces mirror.
@@ -119,7 +123,7 @@ impl CompositePass {
     /// Chooses the layer, from the next submission on.
     pub fn update(&self, gpu: &Gpu, layer: Layer, mirror: Option<Mirror>) {
         let number = match layer {
-            Layer::Final | Layer::Voxels | Layer::Lobes => 0,
+            Layer::Final | Layer::Voxels | Layer::Lobes | Layer::Thickness | Layer::Transmittance => 0,
             Layer::Direct => 1,
             Layer::Indirect => 2,
             Layer::Albedo => 3,

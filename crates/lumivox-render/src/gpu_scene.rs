@@ -77,7 +77,7 @@ pub struct Draw {
     pub instance: u32,
     /// Index of the material.
     pub material: usize,
-    /// Whether the material may have holes.
+    /// Whether the material may have holes, or lets a part of the light through.
     pub is_masked: bool,
     /// Whether the camera sees it; lights always do.
     pub in_camera: bool,
@@ -236,7 +236,7 @@ impl Geometry {
                 base_vertex: range.first_vertex as i32,
                 instance: self.matrices.len() as u32,
                 material: self.material_count + material,
-                is_masked: scene.materials[material].alpha != AlphaMode::Opaque,
+                is_masked: is_thin(&scene.materials[material]),
                 in_camera,
                 is_caster: false,
             });
@@ -244,6 +244,11 @@ impl Geometry {
         }
         self.material_count += scene.materials.len();
     }
+}
+
+/// Whether a material may have holes, or lets a part of the light through.
+pub(crate) fn is_thin(material: &Material) -> bool {
+    material.alpha != AlphaMode::Opaque || material.absorber.is_some()
 }
 
 fn shapes(positions: &[[f32; 3]], normals: &[[f32; 3]]) -> impl Iterator<Item = VertexShape> {

@@ -37,8 +37,8 @@ pub mod voxel_view;
 
 pub use composite::Layer;
 pub use renderer::{
-    Caster, FrameStats, GiMethod, LeafShadowSettings, ObjectFields, Polish, Renderer, RendererError,
-    Settings, VoxelSource,
+    Caster, Environment, FrameStats, GiMethod, GlassKind, GlassSettings, LeafShadowSettings, ObjectFields,
+    Polish, Renderer, RendererError, Settings, VoxelSource,
 };
 
 /// Every shader of this crate, for validation and for reading.

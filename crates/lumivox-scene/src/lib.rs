@@ -26,5 +26,5 @@ pub use import::{EXTENSIONS, SCHEMA, load, load_bytes, load_with};
 pub use limits::Limits;
 pub use mesh::Mesh;
 pub use report::ImportReport;
-pub use scene::{AlphaMode, Camera, Instance, Light, Material, Scene, SpotFalloff, Texture, Wrap};
+pub use scene::{AlphaMode, Camera, Glass, Instance, Light, Material, Scene, SpotFalloff, Texture, Wrap};
 pub use sky::SkyMap;

@@ -1,6 +1,7 @@
 //! Triangle meshes: the finished [`Mesh`] and the [`RawMesh`] that importers fill and one place cleans.
 
 use glam::{DVec3, Vec3};
+use lumivox_core::TriangleView;
 
 use crate::{ImportReport, Limits, SceneError};
 
@@ -32,6 +33,41 @@ impl Mesh {
         let mut report = ImportReport::default();
         let raw = RawMesh { name: name.to_owned(), positions, indices, material, ..RawMesh::default() };
         raw.into_mesh(Shading::Flat, &mut report)
+    }
+
+    /// Puts lids on its holes, and says how many edges are open after that. Lids have normals of their own, and the colours and texture
+    /// coordinates of their edges; vertices are only added, behind those that there are.
+    pub fn close_holes(&mut self) -> usize {
+        let view = TriangleView { positions: &self.positions, indices: &self.indices };
+        if lumivox_core::open_edges(&view) == 0 {
+            return 0;
+        }
+        let lids = lumivox_core::lids(&view);
+        let old = self.positions.len();
+        for triangle in &lids.indices {
+            let corner = |i: u32| -> [f32; 3] {
+                let i = i as usize;
+                let own = self.positions[..old].get(i);
+                own.or_else(|| lids.positions.get(i.wrapping_sub(old))).copied().unwrap_or_default()
+            };
+            let corners = triangle.map(corner);
+            let normal = face_normal(&corners, &[0, 1, 2]);
+            let first = self.positions.len() as u32;
+            for (i, position) in triangle.iter().zip(corners) {
+                // The middle of a lid takes what its first edge has.
+                let like = if (*i as usize) < old { *i as usize } else { triangle[0] as usize };
+                self.push_vertex(position, normal, like);
+            }
+            self.indices.push([first, first + 1, first + 2]);
+        }
+        lumivox_core::open_edges(&TriangleView { positions: &self.positions, indices: &self.indices })
+    }
+
+    fn push_vertex(&mut self, position: [f32; 3], normal: Vec3, like: usize) {
+        self.positions.push(position);
+        self.normals.push(normal.to_array());
+        self.uvs.push(self.uvs.get(like).copied().unwrap_or_default());
+        self.colors.push(self.colors.get(like).copied().unwrap_or([1.0; 4]));
     }
 }
 
@@ -260,6 +296,34 @@ mod tests {
             indices: vec![[0, 1, 2], [0, 2, 3]],
             ..RawMesh::default()
         }
+    }
+
+    #[test]
+    fn holes_of_a_mesh_are_closed_and_attributes_stay_in_step() {
+        let corners = |n: u32| [n & 1, n >> 1 & 1, n >> 2 & 1].map(|c| c as f32);
+        let cube = [
+            [0, 2, 3],
+            [0, 3, 1],
+            [4, 5, 7],
+            [4, 7, 6],
+            [0, 1, 5],
+            [0, 5, 4],
+            [2, 6, 7],
+            [2, 7, 3],
+            [0, 4, 6],
+            [0, 6, 2],
+        ];
+        let mut open = Mesh::flat("open", (0..8).map(corners).collect(), cube.to_vec(), 0);
+        let before = open.clone();
+        assert_eq!(open.close_holes(), 0);
+        assert_eq!(open.indices.len(), cube.len() + 4);
+        let count = open.positions.len();
+        assert_eq!([open.normals.len(), open.uvs.len(), open.colors.len()], [count; 3]);
+        assert!(open.normals[before.positions.len()..].iter().all(|n| (n[0] - 1.0).abs() < 1e-6));
+        assert_eq!(open.close_holes(), 0);
+        assert_eq!(open.positions.len(), count);
+        let mut empty = Mesh::default();
+        assert_eq!(empty.close_holes(), 0);
     }
 
     #[test]

@@ -50,6 +50,21 @@ impl Scene {
             || self.sky_map.as_ref().is_some_and(|m| m.pixels.iter().any(|p| *p != Vec3::ZERO))
     }
 
+    /// The scene with all glass shrunk to nothing: the same meshes and instances by number, but those of glass have a triangle without
+    /// area. None if there is no glass.
+    pub fn without_glass(&self) -> Option<Self> {
+        let is_glass = |mesh: &Mesh| self.materials.get(mesh.material).is_some_and(|m| m.glass.is_some());
+        self.meshes.iter().any(is_glass).then(|| {
+            let mut rest = self.clone();
+            for (mesh, whole) in rest.meshes.iter_mut().zip(&self.meshes) {
+                if is_glass(whole) && !whole.indices.is_empty() {
+                    mesh.indices = vec![[0; 3]];
+                }
+            }
+            rest
+        })
+    }
+
     /// Triangles over all instances.
     pub fn triangle_count(&self) -> u64 {
         self.instances.iter().map(|i| self.meshes[i.mesh].indices.len() as u64).sum()
@@ -80,6 +95,59 @@ pub struct Material {
     pub emission_texture: Option<usize>,
     /// What opacity means.
     pub alpha: AlphaMode,
+    /// What it is like if it is seen through; renderers without refraction show the surface.
+    pub glass: Option<Glass>,
+    /// The part of light, 0 to 1 in each colour, that one surface lets through, if it is a thin absorber such as a leaf.
+    pub absorber: Option<Vec3>,
+}
+
+/// A material that is seen through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glass {
+    /// Index of refraction, 1 and up.
+    pub ior: f32,
+    /// The part of light that [`Self::distance`] metres of it leave, 0 to 1.
+    pub color: Vec3,
+    /// Metres; infinite for clear glass.
+    pub distance: f32,
+    /// Roughness of its surface, 0 to 1.
+    pub roughness: f32,
+    /// Radians by which a metre of it blurs what is behind.
+    pub frost: f32,
+    /// How strongly it bends light for each metre of thickness, as many times the bend at its first surface; a guess from its size if
+    /// there is none.
+    pub bend: Option<f32>,
+    /// Radiance of what is lost in it, W/(m2 sr).
+    pub body: Vec3,
+    /// Whether it has no thickness, as a pane.
+    pub is_thin: bool,
+}
+
+impl Default for Glass {
+    /// Clear window glass of some thickness.
+    fn default() -> Self {
+        Self {
+            ior: 1.5,
+            color: Vec3::ONE,
+            distance: f32::INFINITY,
+            roughness: 0.0,
+            frost: 0.0,
+            bend: None,
+            body: Vec3::ZERO,
+            is_thin: false,
+        }
+    }
+}
+
+impl Glass {
+    /// The part of light that a metre leaves.
+    pub fn through_metre(&self) -> Vec3 {
+        if self.distance.is_finite() && self.distance > 0.0 {
+            self.color.clamp(Vec3::ZERO, Vec3::ONE).powf(1.0 / self.distance)
+        } else {
+            Vec3::ONE
+        }
+    }
 }
 
 impl Material {
@@ -98,6 +166,8 @@ impl Default for Material {
             emission: Vec3::ZERO,
             emission_texture: None,
             alpha: AlphaMode::Opaque,
+            glass: None,
+            absorber: None,
         }
     }
 }
@@ -227,6 +297,18 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_without_glass_has_the_same_numbers() {
+        let knot = crate::builtin::knot_glass(0);
+        let rest = knot.without_glass().unwrap();
+        assert_eq!(rest.instances, knot.instances);
+        assert_eq!(rest.triangle_count(), knot.triangle_count() - knot.meshes[0].indices.len() as u64 + 1);
+        assert!(rest.without_glass().is_some() && crate::builtin::cornell(0).without_glass().is_none());
+        let glass = Glass { color: Vec3::new(0.25, 1.0, 0.5), distance: 0.5, ..Glass::default() };
+        assert!((glass.through_metre() - Vec3::new(0.0625, 1.0, 0.25)).abs().max_element() < 1e-6);
+        assert_eq!(Glass::default().through_metre(), Vec3::ONE);
+    }
 
     #[test]
     fn bounds_and_count_go_over_instances() {

@@ -157,6 +157,10 @@ pub(crate) enum LayerArg {
     Occlusion,
     /// What surfaces mirror, with --reflections field.
     Reflections,
+    /// What leaves leave of the first light, with --shadows transmittance.
+    Transmittance,
+    /// Metres of glass that a pixel's ray crosses, brightest for the most.
+    Thickness,
 }
 
 impl From<LayerArg> for Layer {
@@ -174,6 +178,8 @@ impl From<LayerArg> for Layer {
             LayerArg::Glossy => Self::Glossy,
             LayerArg::Occlusion => Self::Occlusion,
             LayerArg::Reflections => Self::Reflections,
+            LayerArg::Transmittance => Self::Transmittance,
+            LayerArg::Thickness => Self::Thickness,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Options that have no effect beside others: whoever gives one expects something, and is told.
 
+use super::see_through::ShadowFilterArg;
 use super::{
     AoArg, BlockingArg, ByArg, GiArg, LayerArg, MirrorArg, ObjectArgs, ReflectionsArg, RenderArgs,
     VoxelizerArg, VoxelsArg,
@@ -15,7 +16,13 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
         None => args.frames.is_none(),
     };
     let needs_gather = matches!(args.layer, LayerArg::Glossy | LayerArg::Leaks);
+    let (through, leaves) = (&args.see_through, args.objects.shadows == ByArg::Transmittance);
     let found = [
+        (through.shadow_colors && !leaves, "--shadow-colors is for --shadows transmittance"),
+        (
+            through.shadow_filter != ShadowFilterArg::Steps && !leaves,
+            "--shadow-filter is for --shadows transmittance",
+        ),
         (!matches!(args.shot.mirror, MirrorArg::None) && !propagates, "--mirror is for --gi propagation"),
         (
             !matches!(args.shot.lpv_blocking, BlockingArg::None) && !matches!(gi, GiArg::Lpv),
@@ -109,6 +116,7 @@ mod tests {
             "--shadows field --light-radius 0.2 --field-rays 4",
             "--reflections field --polish 0.1 --field-points 290",
             "--ao subtract --layer occlusion",
+            "--shadows transmittance --shadow-filter linear --shadow-colors",
         ] {
             assert_eq!(told(useful), 0, "{useful}");
         }
@@ -131,6 +139,8 @@ mod tests {
             "--layer occlusion --shadows field",
             "--layer reflections",
             "--sigma 0.1",
+            "--shadow-colors",
+            "--shadow-filter linear",
         ] {
             assert_eq!(told(idle), 1, "{idle}");
         }

@@ -2,6 +2,7 @@
 
 mod choices;
 mod idle;
+mod see_through;
 mod values;
 
 use std::path::PathBuf;
@@ -12,6 +13,7 @@ pub(crate) use choices::{
     BlockingArg, CleanupArg, GiArg, LayerArg, MirrorArg, QualityArg, VoxelizerArg, VoxelsArg,
 };
 pub(crate) use idle::idle_options;
+pub(crate) use see_through::SeeThroughArgs;
 pub(crate) use values::{CameraArg, ClipArg, ExposureArg, Size, SliceArg, SunArg, triple};
 
 /// Lights scenes with voxel volumes: progressive voxelization and indirect light on any GPU.
@@ -228,6 +230,8 @@ pub(crate) enum ByArg {
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) shot: ShotArgs,
+    #[command(flatten)]
+    pub(crate) see_through: SeeThroughArgs,
     #[command(flatten)]
     pub(crate) objects: ObjectArgs,
     /// The picture: .png (tone-mapped sRGB) or .exr (linear). With --frames a name like name_%04d.png, or an animation, name.gif.

@@ -1,8 +1,10 @@
 //! The frame: what is rendered, in which order, from what into what.
 
+mod absorbers;
 mod expected;
 mod field_objects;
 mod frame;
+mod glass;
 mod hit_light;
 mod indirect;
 mod injected_lights;
@@ -33,6 +35,7 @@ use crate::triangle_voxelizer::TriangleVoxelizer;
 use crate::voxel_view::{VoxelChannel, VoxelView};
 use expected::Expected;
 use field_objects::FieldObjects;
+use glass::GlassObjects;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
 use leaf_shadows::LeafShadows;
@@ -41,6 +44,7 @@ use volume_shadows::VolumeShadows;
 
 pub(crate) use field_objects::Shade;
 pub use field_objects::{Caster, ObjectFields};
+pub use glass::{Environment, GlassKind, GlassSettings};
 pub use leaf_shadows::LeafShadowSettings;
 pub use settings::{GiMethod, Polish, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
@@ -81,6 +85,7 @@ pub struct Renderer {
     objects: Option<FieldObjects>,
     leaves: Option<LeafShadows>,
     volumes: Option<VolumeShadows>,
+    glass: Option<GlassObjects>,
     /// Where the scene's instances stand.
     places: Vec<Mat4>,
     lights: Vec<Light>,
@@ -142,6 +147,10 @@ impl Renderer {
         if scene.triangle_count() == 0 || bounds.is_empty() {
             return Err(RendererError::EmptyScene);
         }
+        let glass = settings.glass.map(|glass| GlassObjects::new(gpu, scene, settings.size, glass));
+        let glass = glass.transpose()?.flatten();
+        let rest = glass.as_ref().and_then(|_| scene.without_glass());
+        let scene = rest.as_ref().unwrap_or(scene);
         let grid = Grid::fit_with_margin(&bounds, settings.grid)?;
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
         let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels, settings.cleanup)?;
@@ -207,6 +216,7 @@ impl Renderer {
             injected,
             leaves,
             volumes,
+            glass,
             objects,
             sky,
             direct_pass: DirectPass::new(gpu)?,
@@ -276,6 +286,9 @@ impl Renderer {
         if let Some(volumes) = &mut self.volumes {
             volumes.set_places(&self.gpu, &self.places);
         }
+        if let Some(glass) = &mut self.glass {
+            glass.set_pose(&self.gpu, pose);
+        }
         if let Some(triangles) = &mut self.triangles {
             triangles.set_pose(&self.gpu, pose);
         }
@@ -283,6 +296,25 @@ impl Renderer {
             expected.set_pose(&self.gpu, pose);
         }
         self.set_lights(&pose.lights);
+    }
+
+    /// Changes the part of the light that a leaf takes, with [`Settings::leaf_shadows`], from the next frame on.
+    pub fn set_leaf_sigma(&mut self, sigma: f32) {
+        if let Some(leaves) = &mut self.leaves {
+            leaves.set_sigma(sigma);
+        }
+    }
+
+    /// The kinds of glass, with [`Settings::glass`].
+    pub fn glass(&self) -> &[GlassKind] {
+        self.glass.as_ref().map_or(&[], GlassObjects::kinds)
+    }
+
+    /// Changes a kind of glass by its place in [`Self::glass`], from the next frame on.
+    pub fn set_glass(&mut self, kind: usize, glass: lumivox::refraction::Glass) {
+        if let Some(objects) = &mut self.glass {
+            objects.set_glass(&self.gpu, kind, glass);
+        }
     }
 
     /// Makes the next frame voxelize all triangles anew, as if everything had moved; for measuring.

@@ -62,6 +62,10 @@ impl Renderer {
             },
             _ => self.composite_pass.record(gpu, e, camera, irradiance, extras, picture),
         })?;
+        if let (Some(glass), Layer::Final | Layer::Thickness) = (&mut self.glass, settings.layer) {
+            glass.update(gpu, &camera.view, &self.bounds);
+            glass.record(gpu, &mut timer, &camera.input, picture)?;
+        }
         Ok(FrameStats { stages: timer.finish(gpu)? })
     }
 
@@ -107,6 +111,16 @@ impl Renderer {
 
     /// The picture, linear radiance, row 0 on top. Waits.
     pub fn read_picture(&self) -> Result<Vec<Vec3>, RendererError> {
+        let pixels = self.settings.size.element_product() as usize;
+        if self.settings.layer == Layer::Transmittance {
+            let left = self.leaves.as_ref().map(|leaves| leaves.read_first(&self.gpu)).transpose()?;
+            return Ok(left.flatten().unwrap_or_else(|| vec![Vec3::ONE; pixels]));
+        }
+        if self.settings.layer == Layer::Thickness {
+            let metres = self.glass.as_ref().map(|glass| glass.thickness(&self.gpu)).transpose()?;
+            let grey = |metres: Vec<f32>| metres.into_iter().map(Vec3::splat).collect();
+            return Ok(metres.map_or_else(|| vec![Vec3::ZERO; pixels], grey));
+        }
         let texels: Vec<[half::f16; 4]> = lumivox::gpu::read_texture(&self.gpu, &self.picture)?;
         Ok(texels.iter().map(|t| Vec3::new(t[0].to_f32(), t[1].to_f32(), t[2].to_f32())).collect())
     }

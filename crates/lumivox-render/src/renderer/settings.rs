@@ -7,7 +7,7 @@ use lumivox::lpv::Blocking;
 use lumivox::progressive::CleanupRule;
 use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
 
-use super::LeafShadowSettings;
+use super::{GlassSettings, LeafShadowSettings};
 use crate::composite::Layer;
 use crate::voxel_view::{Slice, VoxelChannel};
 
@@ -112,6 +112,9 @@ pub struct Settings {
     pub leaf_shadows: Option<LeafShadowSettings>,
     /// Whether opaque surfaces throw the shadows of suns, spots and points by shadow volumes in place of maps: sharp at any distance.
     pub volume_shadows: bool,
+    /// Whether materials of glass are seen through, and how; else they are surfaces like any other. Takes the place of the picture's last
+    /// stage in [`Layer::Final`].
+    pub glass: Option<GlassSettings>,
     /// What the picture shows.
     pub layer: Layer,
     /// Roughness of the surfaces in [`Layer::Glossy`], 0.3 to 1: less is a sharper mirror.
@@ -175,6 +178,7 @@ impl Default for Settings {
             polish: None,
             leaf_shadows: None,
             volume_shadows: false,
+            glass: None,
             layer: Layer::Final,
             roughness: 0.4,
             voxel_channel: VoxelChannel::Lit,

@@ -11,6 +11,7 @@ mod errors;
 mod fields;
 mod gathered;
 mod gathered_motion;
+mod glass;
 mod golden;
 mod indirect;
 mod layers;
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         indirect::TESTS,
         layers::TESTS,
         masks::TESTS,
+        glass::TESTS,
         moving::TESTS,
         progressive::TESTS,
         room::TESTS,

@@ -107,6 +107,7 @@ pub(super) fn add(
                 (false, true) => AlphaMode::Blend,
                 (false, false) => AlphaMode::Opaque,
             },
+            ..Material::default()
         });
     }
     Ok(())

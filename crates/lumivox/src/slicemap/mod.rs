@@ -33,9 +33,11 @@
 //! **Memory**: `width * height * sets * slices / 8` bytes, and 8 for each column where slicing is local.
 
 mod draw;
+mod host;
 mod settings;
 mod transmittance;
 
+pub use host::HostSlicemap;
 pub use settings::{SlicemapSettings, SlicemapUniform, Slicing};
 pub use transmittance::{Transmittance, TransmittanceSettings, TransmittanceUniform};
 

@@ -23,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("slicemap: the table counts as the processor does", table),
     ("slicemap: the cellmask sets the bits that shifts set", cellmask),
     ("slicemap: columns may end where a box around ends", box_around),
+    ("slicemap: what is read back lies on the surface", read_back),
     ("slicemap: vertices that move are sliced where they are", moving),
 ];
 
@@ -433,6 +434,38 @@ fn box_around(labs: &Labs) -> Result<(), Failed> {
         assert!(*wide != 0 && wide & 1 == 0 && wide >> 31 == 0, "and not of a larger one's: {wide:x}");
     }
     assert!(columns > 30, "{columns} columns");
+    Ok(())
+}
+
+/// Cells of a ball lie at its surface, in every view and slicing, and a sheet shows each of them once.
+fn read_back(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let ball = sphere(Vec3::ZERO, 1.5, 4).mesh(gpu)?;
+    for (view, range) in views() {
+        for slicing in [Slicing::Uniform, Slicing::Local] {
+            let settings = SlicemapSettings { size: SIZE, slices: 200, slicing, ..Default::default() };
+            let mut map = Slicemap::new(gpu, settings)?;
+            map.set_view(gpu, &view, range);
+            run(gpu, |e| map.record(gpu, e, &[(&ball, 0)]))?;
+            let host = map.read_host(gpu, &view, range)?;
+            let mut filled = 0;
+            for (column, set, slice) in host.filled() {
+                filled += 1;
+                assert_eq!(set, 0);
+                let center = host.center(column, slice).ok_or("a filled column has an extent")?;
+                // Half a cell of at most 14 m in 200, along the view, and facets.
+                assert!((center.length() - 1.5).abs() < 0.05, "{slicing:?}: {center} at {}", center.length());
+            }
+            assert!(filled > 80, "{filled} cells");
+            let (size, pixels) = host.sheet(20);
+            assert_eq!(
+                (size, pixels.len()),
+                (SIZE * UVec2::new(20, 10), 10 * 20 * SIZE.element_product() as usize)
+            );
+            assert_eq!(pixels.iter().filter(|p| **p == 255).count(), filled);
+            assert!(!host.is_filled(SIZE, 0, 0) && !host.is_filled(UVec2::ZERO, 1, 0));
+        }
+    }
     Ok(())
 }
 

@@ -3,7 +3,10 @@
 //! culling shadow volumes saves.
 
 mod curves;
+mod glass;
+mod leaves;
 mod rates;
+mod rays;
 mod table_1;
 mod tables;
 mod volumes;
@@ -23,6 +26,9 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     // Long runs are sometimes cut short.
     report.write()?;
     table_1::table(timer, quick, report)?;
+    report.write()?;
+    leaves::leaves(timer, quick, report)?;
+    glass::glass(timer, quick, report)?;
     report.write()?;
     tables::tables(timer, quick, report)?;
     curves::curves(timer, quick, report)?;

@@ -10,7 +10,7 @@ use super::accessor::Reader;
 use super::container;
 use super::texture_transform::UvSource;
 use crate::import::texture::Textures;
-use crate::{AlphaMode, Limits, Material, Scene, SceneError, Wrap};
+use crate::{AlphaMode, Glass, ImportReport, Limits, Material, Scene, SceneError, Wrap};
 
 /// Fills `scene.materials` and `scene.textures`; returns for each material the texture coordinates that it uses.
 pub(super) fn read(
@@ -52,9 +52,40 @@ pub(super) fn read(
                 }
                 GltfAlpha::Blend => AlphaMode::Blend,
             },
+            glass: glass(&material, &mut scene.report),
+            absorber: None,
         });
     }
     Ok(uv_sources)
+}
+
+/// A transmission of one half and more is glass, less is a surface like any other: there is no mixture of both. Without a volume, glass
+/// is thin. Textures of transmission, thickness and roughness are not read, and thickness is that of the geometry.
+fn glass(material: &gltf::Material, report: &mut ImportReport) -> Option<Glass> {
+    let transmission = material.transmission()?;
+    let factor = finite(transmission.transmission_factor(), 0.0).clamp(0.0, 1.0);
+    let name = material.name().unwrap_or_default();
+    if transmission.transmission_texture().is_some() {
+        report.warn(format!("material '{name}': the texture of its transmission is not read"));
+    }
+    if factor < 0.5 {
+        if factor > 0.0 {
+            report.warn(format!("material '{name}': a transmission of {factor} is shown as none"));
+        }
+        return None;
+    }
+    let volume = material.volume().filter(|v| finite(v.thickness_factor(), 0.0) > 0.0);
+    let distance = volume.as_ref().map_or(f32::INFINITY, gltf::material::Volume::attenuation_distance);
+    let color = volume.as_ref().map_or([1.0; 3], gltf::material::Volume::attenuation_color);
+    let roughness = finite(material.pbr_metallic_roughness().roughness_factor(), 1.0);
+    Some(Glass {
+        ior: finite(material.ior().unwrap_or(1.5), 1.5).clamp(1.0, 4.0),
+        color: Vec3::from(color.map(|c| finite(c, 1.0).clamp(0.0, 1.0))),
+        distance: if distance > 0.0 { distance } else { f32::INFINITY },
+        roughness: roughness.clamp(0.0, 1.0),
+        is_thin: volume.is_none(),
+        ..Glass::default()
+    })
 }
 
 fn finite(value: f32, otherwise: f32) -> f32 {

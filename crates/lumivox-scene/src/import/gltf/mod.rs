@@ -1,7 +1,7 @@
 //! glTF 2.0 and GLB.
 //!
 //! Read: triangles, strips and fans, indexed or not, of any component type, sparse too; node transforms; base colour,
-//! emission and alpha of materials; vertex colours; perspective cameras; `KHR_lights_punctual`, whose candela and lux
+//! emission and alpha of materials; `KHR_materials_transmission`, `_volume` and `_ior` as [`Glass`](crate::Glass), without their textures; vertex colours; perspective cameras; `KHR_lights_punctual`, whose candela and lux
 //! are taken as W/sr and W/m2; skins, morph targets and all animations; `KHR_texture_transform`, baked into the texture
 //! coordinates. Extensions that are not read are counted and named in a warning.
 //!

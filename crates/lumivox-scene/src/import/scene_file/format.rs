@@ -98,6 +98,11 @@ pub(super) struct MeshEntry {
     pub(super) block: Option<BoxEntry>,
     pub(super) albedo: Option<[f32; 3]>,
     pub(super) emission: Option<[f32; 3]>,
+    pub(super) glass: Option<GlassEntry>,
+    /// The part of light that a surface lets through.
+    pub(super) absorber: Option<[f32; 3]>,
+    #[serde(default)]
+    pub(super) close_holes: bool,
     /// By rows, for column vectors.
     pub(super) matrix: Option<[[f32; 4]; 4]>,
     pub(super) scale: Option<Scale>,
@@ -106,6 +111,21 @@ pub(super) struct MeshEntry {
     #[serde(default)]
     pub(super) smooth: bool,
     pub(super) motion: Option<MeshMotion>,
+}
+
+/// What is absent is as in clear window glass.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GlassEntry {
+    pub(super) ior: Option<f32>,
+    pub(super) color: Option<[f32; 3]>,
+    pub(super) distance: Option<f32>,
+    pub(super) roughness: Option<f32>,
+    pub(super) frost: Option<f32>,
+    pub(super) bend: Option<f32>,
+    pub(super) body: Option<[f32; 3]>,
+    #[serde(default)]
+    pub(super) thin: bool,
 }
 
 #[derive(Debug, Deserialize)]

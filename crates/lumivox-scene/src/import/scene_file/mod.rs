@@ -3,6 +3,7 @@
 //! The format is described in `docs/scene_file.md` and, for programs, in [`SCHEMA`].
 
 mod format;
+mod glass;
 mod light;
 mod motion;
 mod place;
@@ -131,8 +132,16 @@ impl Loader<'_> {
         let placement = place::placement(entry).map_err(fail)?;
         let clip = entry.motion.as_ref().and_then(|m| m.clip.as_ref());
         let key = format!(
-            "{:?} {:?} {:?} {} {:?} {:?} {clip:?}",
-            entry.file, entry.quad, entry.block, entry.smooth, entry.albedo, entry.emission
+            "{:?} {:?} {:?} {} {:?} {:?} {:?} {:?} {} {clip:?}",
+            entry.file,
+            entry.quad,
+            entry.block,
+            entry.smooth,
+            entry.albedo,
+            entry.emission,
+            entry.glass,
+            entry.absorber,
+            entry.close_holes
         );
         let parts = match self.known.get(&key) {
             Some(parts) => parts.clone(),
@@ -146,6 +155,9 @@ impl Loader<'_> {
                 };
                 self.paint(first..self.scene.meshes.len(), entry)
                     .map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
+                if entry.close_holes {
+                    self.close_holes(first);
+                }
                 self.known.insert(key.clone(), parts.clone());
                 parts
             }
@@ -298,14 +310,30 @@ impl Loader<'_> {
         Ok(parts)
     }
 
-    /// Applies `albedo` and `emission` to the meshes just added.
+    /// Puts lids on the holes of the meshes from `first` on.
+    fn close_holes(&mut self, first: usize) {
+        for mesh in self.scene.meshes.iter_mut().skip(first) {
+            let left = mesh.close_holes();
+            if left > 0 {
+                let name = &mesh.name;
+                self.scene.report.warn(format!("mesh '{name}': {left} edges stay open after close_holes"));
+            }
+        }
+    }
+
+    /// Applies `albedo`, `emission`, `glass` and `absorber` to the meshes just added.
     fn paint(&mut self, meshes: Range<usize>, entry: &MeshEntry) -> Result<(), String> {
         let albedo = entry.albedo.map(|a| amount(a, "albedo")).transpose()?;
         let emission = entry.emission.map(|e| amount(e, "emission")).transpose()?;
         if albedo.is_some_and(|a| a.max_element() > 1.0) {
             return Err("whose albedo is above 1".to_owned());
         }
-        if albedo.is_none() && emission.is_none() {
+        let glass = entry.glass.as_ref().map(glass::glass).transpose()?;
+        let absorber = entry.absorber.map(|a| amount(a, "absorber")).transpose()?;
+        if absorber.is_some_and(|a| a.max_element() > 1.0) {
+            return Err("whose absorber is above 1".to_owned());
+        }
+        if albedo.is_none() && emission.is_none() && glass.is_none() && absorber.is_none() {
             return Ok(());
         }
         let mut painted = HashMap::new();
@@ -327,6 +355,8 @@ impl Loader<'_> {
                     material.emission = emission;
                     material.emission_texture = None;
                 }
+                material.glass = glass.or(material.glass);
+                material.absorber = absorber.or(material.absorber);
                 self.scene.materials.push(material);
                 self.scene.materials.len() - 1
             });

@@ -43,6 +43,7 @@ fn code_and_schema_know_the_same_keys() {
         ("light_key", keys_of::<LightKey>()),
         ("mesh", keys_of::<MeshEntry>()),
         ("box", keys_of::<BoxEntry>()),
+        ("glass", keys_of::<GlassEntry>()),
         ("mesh_motion", keys_of::<MeshMotion>()),
         ("mesh_key", keys_of::<MeshKey>()),
         ("spin", keys_of::<SpinEntry>()),
@@ -96,6 +97,8 @@ fn everything() -> Value {
         "sky": {"gradient": {"zenith": [0.2, 0.4, 1], "horizon": [1, 1, 1], "ground": [0, 0, 0]}},
         "meshes": [
             {"quad": [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]], "albedo": [0.7, 0.1, 0.1], "smooth": true,
+                "glass": {"ior": 1.3, "color": [0.5, 0.9, 1], "distance": 0.2, "roughness": 0.1, "frost": 0.2, "bend": 3,
+                    "body": [0, 1, 0], "thin": true}, "absorber": [0.5, 1, 0.5], "close_holes": false,
                 "matrix": [[1, 0, 0, 2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]},
             {"box": {"center": [0, 0, 0], "size": [1, 1, 1], "rot_y_deg": 15}, "emission": [1, 2, 3],
                 "scale": [1, 2, 1], "rotate_deg": [0, 90, 0], "translate": [0, 5, 0], "motion": {
