@@ -16,6 +16,7 @@ mod output;
 mod part_file;
 mod render;
 mod sheet;
+mod slices;
 mod stats;
 mod voxelize;
 
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         args::Command::Demo(demo) => demo::run(demo),
         args::Command::Render(render) => render::run(render),
         args::Command::Voxelize(voxelize) => voxelize::run(voxelize),
+        args::Command::Slices(slices) => slices::run(slices),
         args::Command::Field(field) => field::run(field),
         args::Command::Compare(compare) => compare::run(compare),
         args::Command::Bench(bench) => bench::run(bench),

@@ -15,8 +15,8 @@ struct ShadowViewUniform {
 struct ShadowBatchUniform {
     first_view: u32,
     view_count: u32,
-    reserved_0: u32,
-    reserved_1: u32,
+    is_colored: u32,
+    reserved: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
@@ -29,7 +29,7 @@ struct ShadowBatchUniform {
 @group(0) @binding(7) var emission: texture_2d<f32>;
 @group(0) @binding(8) var shadow_atlas: texture_depth_2d;
 @group(0) @binding(9) var radiance_before: texture_2d<f32>;
-// What objects with visibility fields let through at each pixel, or one texel for all.
+// What objects with visibility fields let through at each pixel, or leaves in colours, or one texel for all.
 @group(0) @binding(10) var object_factor: texture_2d<f32>;
 
 // How far the receiver's plane is moved along its normal, in texels.
@@ -114,6 +114,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     for (var i = 0u; i < batch.view_count; i++) {
         irradiance += arriving(shadow_views[batch.first_view + i], receiver);
     }
-    let through = textureLoad(object_factor, min(texel, textureDimensions(object_factor) - 1u), 0).r;
+    let factor = textureLoad(object_factor, min(texel, textureDimensions(object_factor) - 1u), 0).rgb;
+    let through = select(factor.rrr, factor, batch.is_colored != 0u);
     return before + vec4f(textureLoad(albedo, texel, 0).rgb / PI * (through * irradiance), 0.0);
 }

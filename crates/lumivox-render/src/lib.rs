@@ -21,6 +21,7 @@
 //! **See-through surfaces.** `Blend` materials are drawn as masks with a cutoff of one half: glass lets light and view
 //! pass unchanged, denser veils are solid.
 
+mod camera_slicemap;
 pub mod composite;
 pub mod direct;
 pub mod gpu_scene;
@@ -35,6 +36,7 @@ pub mod triangle_voxelizer;
 mod voxel_meshes;
 pub mod voxel_view;
 
+pub use camera_slicemap::camera_slicemap;
 pub use composite::Layer;
 pub use renderer::{
     Caster, Environment, FrameStats, GiMethod, GlassKind, GlassSettings, LeafShadowSettings, ObjectFields,

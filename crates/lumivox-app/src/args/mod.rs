@@ -32,6 +32,8 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Turn meshes into voxel volumes: occupancy, colours, normals, in the format of your tool.
     Voxelize(crate::voxelize::VoxelizeArgs),
+    /// A scene's cells in the columns of a camera, one bit each: as a sheet of slices, or as points.
+    Slices(crate::slices::SlicesArgs),
     /// Bake the visibility field of a rigid object, or look at one: maps, sizes, errors against true rays.
     Field(crate::field::FieldArgs),
     /// Hold our light against a path tracer's, or another renderer's: errors, pictures, differences.

@@ -50,10 +50,10 @@ lumivox::gpu_struct! {
         pub first_view: u32,
         /// How many there are.
         pub view_count: u32,
+        /// Whether what stands for leaves has colours.
+        pub is_colored: u32,
         /// Unused.
-        pub reserved_0: u32,
-        /// Unused.
-        pub reserved_1: u32,
+        pub reserved: u32,
     }
 }
 
@@ -190,8 +190,8 @@ fn batches(gpu: &Gpu, views: &[(u32, Shade)], atlas: u32) -> Vec<ShadowBatch> {
         let value = ShadowBatchUniform {
             first_view: first as u32,
             view_count: count as u32,
-            reserved_0: 0,
-            reserved_1: 0,
+            is_colored: u32::from(matches!(shade, Shade::Leaves(_))),
+            reserved: 0,
         };
         let uniform = Uniform::new(gpu, "shadow/batch", &value);
         batches.push(ShadowBatch { uniform, tiles: tiles.collect(), shade });

@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a blended surface is solid from one half on", blended),
     ("leaves take a part of the sun, one after the other", leaves_let_through),
     ("volumes shade for opaque surfaces, and maps for those with holes", volumes_and_maps),
+    ("leaves take a part of point lights, in their colours", leaves_before_a_lamp),
 ];
 
 /// Albedos of sRGB 124 and 231.
@@ -141,6 +142,47 @@ fn injected_through(gpu: &Gpu) -> Result<(), Failed> {
         assert!((light - expected).abs() <= 0.02 * expected, "{light} at {p}: {expected}");
     }
     assert!(counts[0] > 200 && counts[1] > 10, "{counts:?}");
+    Ok(())
+}
+
+/// A lamp over a leaf, near and far to its side: each of its six maps is asked, light takes the leaf's colour, and what is said to be
+/// an absorber takes what it says. What a leaf takes changes from frame to frame.
+fn leaves_before_a_lamp(gpu: &Gpu) -> Result<(), Failed> {
+    let (mut scene, ..) = leaf_scene(MASK, [0, 255]);
+    let camera = Camera::look("below", Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.001), 100.0);
+    for (lamp, stated) in [(Vec3::new(0.0, 1.6, 0.0), false), (Vec3::new(1.2, 3.0, 0.0), true)] {
+        scene.lights = vec![Light::Point { position: lamp, intensity: Vec3::splat(3.0) }];
+        scene.materials[1].base_color = Vec4::new(0.4, 0.8, 0.0, 1.0);
+        scene.materials[1].absorber = stated.then_some(Vec3::new(0.9, 0.2, 0.5));
+        let leaves =
+            LeafShadowSettings { sigma: 0.3, size: 512, slices: 64, is_colored: true, ..Default::default() };
+        let settings = Settings { layer: Layer::Direct, leaf_shadows: Some(leaves), ..small() };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        renderer.set_camera(&camera);
+        for sigma in [0.3f32, 0.6] {
+            renderer.set_leaf_sigma(sigma);
+            renderer.frame(None)?;
+            let left =
+                if stated { Vec3::new(0.9, 0.2, 0.5) } else { (1.0 - sigma) * Vec3::new(0.5, 1.0, 0.0) };
+            let mut counts = [0; 2];
+            for (ray, seen) in rays(&camera, settings.size).into_iter().zip(renderer.read_picture()?) {
+                let p = ray.origin - ray.origin.y / ray.direction.y * ray.direction;
+                // Where the way to the lamp crosses the leaf's height, a metre up.
+                let at = p + (lamp - p) / lamp.y;
+                let border = [at.x, at.x.abs() - 0.5, at.z.abs() - 0.5].map(f32::abs);
+                if border.iter().any(|b| *b < BORDER) || p.abs().max_element() > 0.8 {
+                    continue;
+                }
+                let is_shaded = at.x > 0.0 && at.x < 0.5 && at.z.abs() < 0.5;
+                let way = lamp - p;
+                let lit = FLOOR / std::f32::consts::PI * 3.0 * way.y / way.length().powi(3);
+                let expected = if is_shaded { lit * left } else { Vec3::splat(lit) };
+                counts[usize::from(is_shaded)] += 1;
+                assert!((seen - expected).abs().max_element() < 0.02 * lit, "{seen} of {expected} at {p}");
+            }
+            assert!(counts[1] > 100 && counts[0] > 100, "{counts:?}");
+        }
+    }
     Ok(())
 }
 

@@ -70,7 +70,7 @@ impl Buffer {
 /// writes each uniform once.
 #[derive(Debug)]
 pub struct Uniform<T> {
-    pub(super) buffer: Buffer,
+    pub(crate) buffer: Buffer,
     marker: PhantomData<T>,
 }
 

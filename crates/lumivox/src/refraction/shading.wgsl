@@ -164,7 +164,8 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     for (var k = 0u; k < refraction.kind_count; k++) {
         let glass_k = refraction.kinds[k];
         let m = select(metres[k], 0.0, glass_k.is_thin != 0u);
-        let passes = pow(glass_k.through, vec3f(m));
+        // Powers of zero are not the same everywhere, least of all the zeroth.
+        let passes = pow(max(glass_k.through, vec3f(1e-6)), vec3f(m));
         lost += (1.0 - passes) * glass_k.body;
         left *= passes;
         blur += glass_k.frost * m;

@@ -39,7 +39,7 @@ mod transmittance;
 
 pub use host::HostSlicemap;
 pub use settings::{SlicemapSettings, SlicemapUniform, Slicing};
-pub use transmittance::{Transmittance, TransmittanceSettings, TransmittanceUniform};
+pub use transmittance::{Transmittance, TransmittanceSettings, TransmittanceUniform, transmittance_wgsl};
 
 use glam::UVec2;
 use lumivox_core::View;
@@ -176,6 +176,11 @@ impl Slicemap {
         Ok(words.into_iter().map(extent).collect())
     }
 
+    /// For shaders of the host, beside [`SLICEMAP`] or [`transmittance_wgsl`]: the uniform, the bits and the ranges of columns.
+    pub fn buffers(&self) -> [&Buffer; 3] {
+        [&self.uniforms[0].buffer, &self.bits, &self.extents]
+    }
+
     /// Its size in columns.
     pub fn size(&self) -> UVec2 {
         self.settings.size
@@ -196,11 +201,17 @@ pub(crate) fn shaders() -> Vec<Shader> {
     vec![transmittance::SHADER]
 }
 
+/// A host's shader that asks at each fragment.
+const FORWARD: &str = "@fragment fn fragment(@location(0) world: vec3f) -> @location(0) vec4f {
+    return vec4f(lumivox_light_left(world), 1.0);
+}";
+
 /// For validation and for reading.
 pub(crate) fn texts() -> Vec<GeneratedText> {
     let phases = [Phase::Extents, Phase::Bits];
     let plain = phases
         .into_iter()
         .flat_map(|phase| [false, true].map(|conservative| draw::text(phase, conservative, false)));
-    plain.chain([draw::text(Phase::Bits, false, true)]).collect()
+    let forward = GeneratedText { name: "slicemap/forward", source: transmittance_wgsl(1, 2) + FORWARD };
+    plain.chain([draw::text(Phase::Bits, false, true), forward]).collect()
 }

@@ -17,8 +17,26 @@ use crate::wgsl::{FULLSCREEN, VIEW};
 
 pub(super) const SHADER: Shader = Shader {
     name: "slicemap/transmittance",
-    parts: &[VIEW, SLICEMAP, FULLSCREEN, include_str!("transmittance.wgsl")],
+    parts: &[VIEW, SLICEMAP, LIGHT_LEFT, FULLSCREEN, include_str!("transmittance.wgsl")],
 };
+
+const LIGHT_LEFT: &str = include_str!("light_left.wgsl");
+
+/// The same for a host's own shaders, such as those that shade each fragment as it is drawn: plain WGSL with four bindings of a group, from
+/// `first_binding` on, and `lumivox_light_left(world: vec3f) -> vec3f`. The bindings are, in this order, [`Slicemap::buffers`] and
+/// [`Transmittance::buffer`].
+pub fn transmittance_wgsl(group: u32, first_binding: u32) -> String {
+    let bindings = [
+        "var<uniform> slicemap: SlicemapUniform",
+        "var<storage, read> slicemap_bits: array<u32>",
+        "var<storage, read> slicemap_extents: array<u32>",
+        "var<uniform> transmittance: TransmittanceUniform",
+    ];
+    let bound = (first_binding..).zip(bindings);
+    let declared = bound.map(|(n, binding)| format!("@group({group}) @binding({n}) {binding};\n"));
+    let ones = "fn slicemap_ones(word: u32) -> u32 { return countOneBits(word); }\n";
+    [declared.collect::<String>().as_str(), ones, SLICEMAP, LIGHT_LEFT].join("\n")
+}
 
 /// How light is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +122,11 @@ impl Transmittance {
             reserved: 0.0,
         };
         self.uniform.write(gpu, &uniform);
+    }
+
+    /// What [`transmittance_wgsl`] reads the settings from.
+    pub fn buffer(&self) -> &Buffer {
+        &self.uniform.buffer
     }
 
     /// The part of the light that is left at every pixel of `view`, 0 to 1 in each colour, into a target of

@@ -25,9 +25,11 @@ mod progressive;
 mod proof;
 mod random_views;
 mod refraction;
+mod refraction_shading;
 mod shadow_volumes;
 mod single_pass;
 mod slicemap;
+mod slicemap_use;
 mod support;
 mod visibility;
 mod voxelize;
@@ -80,6 +82,8 @@ fn main() -> ExitCode {
         single_pass::TESTS,
         slicemap::TESTS,
         refraction::TESTS,
+        refraction_shading::TESTS,
+        slicemap_use::TESTS,
     ]
     .concat();
     let trials = tests

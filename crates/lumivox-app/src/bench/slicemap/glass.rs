@@ -4,7 +4,7 @@ use anyhow::Result;
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::core::View;
 use lumivox::refraction::Glass;
-use lumivox_render::{GiMethod, GlassSettings, Layer, Renderer, Settings, tone};
+use lumivox_render::{Environment, GiMethod, GlassSettings, Layer, Renderer, Settings, tone};
 use lumivox_scene::{Camera, Material, Scene};
 
 use super::leaves::tiled;
@@ -101,7 +101,8 @@ fn rates(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report: &mut Repo
     for subject in subjects {
         let mut rows = Vec::new();
         for uses_picture in [true, false] {
-            let glass = GlassSettings { uses_picture, ..GlassSettings::default() };
+            let environment = if uses_picture { Environment::Sky } else { Environment::Studio };
+            let glass = GlassSettings { uses_picture, environment, ..GlassSettings::default() };
             let mut renderer = Renderer::new(timer.gpu, &subject.scene, settings(size, glass, Layer::Final))?;
             renderer.set_camera(&subject.camera);
             renderer.frame(None)?;

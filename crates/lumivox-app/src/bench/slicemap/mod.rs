@@ -5,6 +5,7 @@
 mod curves;
 mod glass;
 mod leaves;
+mod prepass;
 mod rates;
 mod rays;
 mod table_1;
@@ -27,6 +28,7 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     report.write()?;
     table_1::table(timer, quick, report)?;
     report.write()?;
+    prepass::prepass(timer, quick, report)?;
     leaves::leaves(timer, quick, report)?;
     glass::glass(timer, quick, report)?;
     report.write()?;

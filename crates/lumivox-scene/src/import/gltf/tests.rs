@@ -1,7 +1,7 @@
 use glam::{Vec3, Vec4};
 
 use super::*;
-use crate::{AlphaMode, ImportReport, Light, SpotFalloff, Wrap};
+use crate::{AlphaMode, Glass, ImportReport, Light, SpotFalloff, Wrap};
 
 /// A `.gltf` whose only buffer is embedded, byte by byte.
 pub(super) fn parse(buffer: &[u8], rest: &str) -> Result<Scene, SceneError> {
@@ -98,6 +98,40 @@ fn materials_have_colour_emission_alpha_and_what_is_missing_is_counted() {
     assert_eq!(scene.report.missing_textures, ["no.png"]);
     let t = &scene.textures[0];
     assert_eq!((t.width, t.height, t.wrap, t.srgb), (1, 1, [Wrap::Clamp, Wrap::Mirror], true));
+}
+
+#[test]
+fn transmission_and_volume_become_glass() {
+    let material = |extensions: &str| {
+        format!(r#"{{"pbrMetallicRoughness":{{"roughnessFactor":0.5}},"extensions":{{{extensions}}}}}"#)
+    };
+    let volume = r#""KHR_materials_transmission":{"transmissionFactor":0.9},"KHR_materials_ior":{"ior":1.33},
+        "KHR_materials_volume":{"thicknessFactor":0.1,"attenuationDistance":0.25,"attenuationColor":[0.5,1,1]}"#;
+    let materials = [
+        material(volume),
+        material(r#""KHR_materials_transmission":{"transmissionFactor":1}"#),
+        material(r#""KHR_materials_transmission":{"transmissionFactor":0.3}"#),
+        material(r#""KHR_materials_volume":{"thicknessFactor":0.1}"#),
+    ];
+    let rest = format!(
+        r#"{TRIANGLE},"materials":[{}],"extensionsUsed":["KHR_materials_transmission","KHR_materials_volume","KHR_materials_ior"]"#,
+        materials.join(",")
+    );
+    let scene = parse(&triangle(), &rest).unwrap();
+    let glass: Vec<_> = scene.materials.iter().map(|m| m.glass).collect();
+    let water = Glass {
+        ior: 1.33,
+        color: Vec3::new(0.5, 1.0, 1.0),
+        distance: 0.25,
+        roughness: 0.5,
+        is_thin: false,
+        ..Glass::default()
+    };
+    assert_eq!(glass[0], Some(water));
+    assert_eq!(glass[1], Some(Glass { roughness: 0.5, is_thin: true, ..Glass::default() }));
+    assert_eq!(glass[2..4], [None, None]);
+    assert_eq!(scene.report.ignored_extensions, [""; 0]);
+    assert_eq!(scene.report.warnings.len(), 1, "{:?}", scene.report.warnings);
 }
 
 /// A PNG of one pixel.
