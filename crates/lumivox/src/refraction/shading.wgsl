@@ -37,6 +37,8 @@ struct RefractionUniform {
 const PI: f32 = 3.1415927;
 // Rays are bent by at most so many times the refraction at the first surface.
 const MOST_BENT: f32 = 4.0;
+// How often a ray looks how far away is what it sees.
+const LOOKS: u32 = 3u;
 // Pictures fade into the environment over this share of their size.
 const BORDER: f32 = 0.04;
 
@@ -113,6 +115,16 @@ fn seen_along(texel: vec2u, start: vec3f, d: vec3f, way: vec3f, blur: f32) -> ve
         let behind = world_from_texel(view, texel, behind_depth);
         let reach = max(dot(behind - start, way), 0.0);
         clip = view.clip_from_world * vec4f(start + reach * d, 1.0);
+    }
+    // Then as far as what is found there, so that edges behind the pixel do not show where its ray goes elsewhere.
+    for (var n = 0u; n < LOOKS && clip.w > 0.0; n++) {
+        let place = saturate(uv_from_ndc(clip.xy / clip.w));
+        let found = min(vec2u(place * vec2f(view.size)), view.size - 1u);
+        let found_depth = textureLoad(depth, found, 0).r;
+        if found_depth != view.far_depth {
+            let reach = max(dot(world_from_texel(view, found, found_depth) - start, d), 0.0);
+            clip = view.clip_from_world * vec4f(start + reach * d, 1.0);
+        }
     }
     let uv = uv_from_ndc(clip.xy / max(clip.w, 1e-20));
     let inside = min(uv, 1.0 - uv) / BORDER;

@@ -17,6 +17,9 @@ const WAYS: [(&str, Slicing, bool); 3] = [
     ("local, conservative", Slicing::Local, true),
 ];
 
+/// Triangles that are drawn conservatively at most.
+const MOST_CONSERVATIVE: u64 = 200_000;
+
 /// What is varied.
 struct Sweep {
     figure: &'static str,
@@ -39,6 +42,11 @@ fn sweep(
     for (x, subject, settings) in cases {
         let mut line = vec![x.to_string()];
         for ((name, slicing, conservative), series) in WAYS.into_iter().zip(&mut series) {
+            // Half a minute for a number that goes with the triangles anyway.
+            if conservative && subject.scene.triangle_count() > MOST_CONSERVATIVE {
+                line.push("-".to_owned());
+                continue;
+            }
             let time = measure(timer, subject, SlicemapSettings { slicing, conservative, ..*settings })?;
             line.push(ms(time.ms));
             series.points.push((*x, time.ms));

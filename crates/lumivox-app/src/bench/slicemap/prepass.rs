@@ -166,16 +166,16 @@ pub(super) fn prepass(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Re
     let depth = Texture::target(gpu, "bench/depth", size.to_array(), DEPTH)?;
     let draw =
         |encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::RenderPipeline, shades: bool, keeps: bool| {
-            let attachment = wgpu::RenderPassColorAttachment {
+            let attachment = [Some(wgpu::RenderPassColorAttachment {
                 view: &color.view,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations::default(),
-            };
+            })];
             let load = if keeps { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(1.0) };
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("bench/forward"),
-                color_attachments: if shades { &[Some(attachment)] } else { &[] },
+                color_attachments: if shades { &attachment } else { &[] },
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                     view: &depth.view,
                     depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),

@@ -45,7 +45,6 @@ pub(super) fn rates(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Resu
         ("uniform", Slicing::Uniform, false, Some(70.0)),
         ("local", Slicing::Local, false, Some(60.0)),
         ("uniform, conservative", Slicing::Uniform, true, None),
-        ("local, conservative", Slicing::Local, true, None),
     ];
     let mut lines = Vec::new();
     for (name, slicing, conservative, paper) in cases {
