@@ -82,7 +82,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let metres = glass.refraction.thickness().read(&gpu)?;
     let middle = metres[(SIZE.x / 2 + SIZE.x * (SIZE.y / 2)) as usize][0];
-    println!("the ball is {middle:.2} m thick in its middle");
+    eprintln!("the ball is {middle:.2} m thick in its middle");
     Ok(())
 }
 
@@ -107,7 +107,7 @@ fn ball(gpu: &Gpu) -> Result<Mesh, Box<dyn std::error::Error>> {
         let down = std::f32::consts::PI * row as f32 / ROWS as f32;
         let around = std::f32::consts::TAU * (column % COLUMNS) as f32 / COLUMNS as f32;
         // The poles are one point each, whatever the column.
-        let out = if row % ROWS == 0 { 0.0 } else { down.sin() };
+        let out = if row == 0 || row == ROWS { 0.0 } else { down.sin() };
         [out * around.cos() + 0.0, down.cos(), out * around.sin() + 0.0]
     };
     let positions: Vec<[f32; 3]> =

@@ -36,7 +36,7 @@ impl LeafShadows {
 
     /// What a frame writes before it is recorded.
     fn update(&self, gpu: &Gpu, sigma: f32) {
-        let (sun, reach) = (Vec3::new(0.3, -1.0, 0.2).normalize(), 20.0);
+        let (sun, reach) = (Vec3::new(0.3, -1.0, 0.2).normalize_or_zero(), 20.0);
         let view = View::orthographic_along(-0.5 * reach * sun, sun, Vec3::X, Vec2::splat(8.0), reach);
         self.map.set_view(gpu, &view, [0.0, reach]);
         let mut through = [Vec3::ONE; 4];
@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     gpu.wait()?;
     let filled: u32 = shadows.map.read(&gpu)?.into_iter().map(u32::count_ones).sum();
-    println!("{filled} cells of leaves");
+    eprintln!("{filled} cells of leaves");
     Ok(())
 }
 

@@ -191,7 +191,7 @@ mod tests {
             let hits = rays.through(ndc(UVec2::new(n % 24, n / 24), size));
             assert_eq!(hits.len(), 2 * hits.iter().filter(|h| h.faces_view).count());
             let metres = inner_metres(&hits);
-            assert!((0.0..2.0).contains(&metres) && (metres > 0.0) == !hits.is_empty());
+            assert!((0.0..2.0).contains(&metres) && (metres > 0.0) != hits.is_empty());
             for hit in &hits {
                 let (place, distance) = rays.place(hit.world);
                 assert!(place.distance(ndc(UVec2::new(n % 24, n / 24), size)) < 1e-6);
