@@ -31,12 +31,13 @@ pub(crate) fn run(args: &FieldArgs) -> Result<()> {
     if args.output.as_ref().is_some_and(|path| path.extension().is_none_or(|e| e != "lvf")) {
         bail!("a field is written as .lvf");
     }
-    if args.maps.as_ref().is_some_and(|path| path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")))
-    {
-        bail!("maps are drawn as .png");
-    }
     outputs.iter().try_for_each(|path| output::prepare(path))?;
     output::check_apart(&[&args.input], &outputs)?;
+    if let Some(path) =
+        args.maps.as_ref().filter(|p| p.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")))
+    {
+        bail!("{}: maps are drawn as .png", path.display());
+    }
     let is_field = Path::new(&args.input).extension().is_some_and(|e| e.eq_ignore_ascii_case("lvf"));
     let (fields, done) = if is_field { read(args)? } else { baked(args)? };
     if let Some(path) = &args.maps {

@@ -18,6 +18,7 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
         ("t.off --bits 2", vec!["'2'", "1, 8 and 32"]),
         ("t.off -o t.npz", vec![".lvf"]),
         ("t.off -o t.lvf --maps t.lvf", vec!["t.lvf", "two outputs"]),
+        ("t.off --maps t.jpg", vec!["t.jpg", ".png"]),
         ("broken.lvf", vec!["broken.lvf"]),
     ] {
         folder.line(&format!("field {arguments}")).failed_with(&words);

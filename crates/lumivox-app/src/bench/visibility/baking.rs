@@ -63,7 +63,7 @@ pub(super) fn baking(quick: bool, report: &mut Report) -> Result<()> {
             let title = format!("{name}, {case}");
             lines.push(vec![
                 title.clone(),
-                format!("{best:.1} ({})", 3600.0 * hours),
+                format!("{best:.1} ({:.0})", 3600.0 * hours),
                 rate.map_or("-".to_owned(), |rate| format!("{rate:.2}")),
             ]);
             report.push(row("baking", title.clone(), "whole command", best, "s", Some(3600.0 * hours)));
