@@ -6,7 +6,8 @@ use lumivox_field::{Mapping, Ray, Settings, Sphere, Storage};
 use rayon::prelude::*;
 
 use super::models::Model;
-use crate::bench::report::{Report, Row};
+use super::surface::row;
+use crate::bench::report::Report;
 use crate::clock;
 
 /// Vertices along a side of each of the corner's three sheets, and rays of each vertex.
@@ -134,17 +135,6 @@ pub(super) fn whole(_: f32) -> f32 {
 /// 1 - V of equation 3 with an exponent of one, which takes nothing at some reach.
 fn near(distance: f32, reach: f32) -> f32 {
     (1.0 - distance / reach).max(0.0)
-}
-
-fn row(
-    figure: &'static str,
-    case: String,
-    metric: &str,
-    value: f64,
-    unit: &'static str,
-    paper: Option<f64>,
-) -> Row {
-    Row { figure, case, metric: metric.to_owned(), value, unit, paper, note: String::new() }
 }
 
 /// Figures 33 to 36.
