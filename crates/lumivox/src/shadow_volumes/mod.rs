@@ -27,7 +27,8 @@
 //! lies behind the surface counts (*z-fail*), so a camera inside of a volume is no special case, and the near plane cuts nothing that counts.
 //!
 //! **Limits.** The stencil has 8 bits: a point behind 256 casting triangles, or another multiple, is lit. Surfaces between
-//! facets that the light just misses are in shadow by whole triangles, however their normals are interpolated.
+//! facets that the light just misses are in shadow by whole triangles, however their normals are interpolated. A light inside of a
+//! closed part that faces outward shines through it, since none of its triangles casts.
 
 mod casters;
 mod culling;
