@@ -1,7 +1,7 @@
 //! Areas of the parts of a triangle in the cells that it marks.
 
-mod octants;
-mod quarters;
+mod corner;
+mod outline;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -10,8 +10,8 @@ use glam::{DVec3, IVec3};
 
 use crate::coverage::{self, CellBox, Coverage, Triangle, dominant};
 use crate::fragment::share_above;
-use octants::Octants;
-use quarters::Quarters;
+use corner::Corner;
+use outline::Outline;
 use sweep::Sweep;
 
 /// Area of a triangle of this normal under one column of the axis that it faces most.
@@ -27,6 +27,8 @@ pub(crate) struct Areas {
     /// The areas in these.
     found: Vec<f64>,
     sweep: Sweep,
+    outline: Outline,
+    corner: Corner,
 }
 
 impl Areas {
@@ -62,8 +64,18 @@ impl Areas {
                 }
             }
             _ => {
-                self.list(coverage, triangle, (normal, length), within);
-                self.cells.iter().zip(&self.found).for_each(|(&cell, &area)| add(cell, area));
+                let plane = (normal, length);
+                let (cells, areas) =
+                    if coverage == Coverage::Exact && self.corner.run(triangle, plane, within) {
+                        let Corner { cells, areas, len } = &self.corner;
+                        (&cells[..*len], &areas[..*len])
+                    } else if coverage == Coverage::Exact && self.outline.run(triangle, plane, within) {
+                        return self.outline.for_each(add);
+                    } else {
+                        self.list(coverage, triangle, plane, within);
+                        (&self.cells[..], &self.found[..])
+                    };
+                cells.iter().zip(areas).for_each(|(&cell, &area)| add(cell, area));
             }
         }
     }
@@ -77,26 +89,13 @@ impl Areas {
         (normal, length): (DVec3, f64),
         within: &CellBox,
     ) {
-        let Self { cells, found, sweep } = self;
+        let Self { cells, found, sweep, .. } = self;
         cells.clear();
         found.clear();
         if triangle.reach.intersection(within).is_empty() {
             return;
         }
         coverage::walk_facing(coverage, triangle, || normal, within, &mut |cell| cells.push(cell));
-        if coverage == Coverage::Exact
-            && let Some(quarters) = Quarters::of(triangle, normal, cells)
-        {
-            found.extend(cells.iter().map(|&cell| 0.5 * length * quarters.share(cell)));
-            return;
-        }
-        if coverage == Coverage::Exact
-            && triangle.reach.intersection(within) == triangle.reach
-            && let Some(octants) = Octants::of(triangle, normal, cells)
-        {
-            found.extend(cells.iter().map(|&cell| 0.5 * length * octants.share(cell)));
-            return;
-        }
         sweep.run(triangle, (normal, length), within);
         found.extend(cells.iter().map(|&cell| sweep.area(cell)));
     }

@@ -62,6 +62,29 @@ proptest! {
         whole(corners.map(|c| 0.5 * DVec3::from(c.map(f64::from))))?;
     }
 
+    /// Corners, edges and planes that come near boundaries, edges and corners of cells, nearer than the slack of tests and
+    /// farther: the cells are those of the tests in any case.
+    #[test]
+    fn areas_near_whole_numbers_are_those_of_the_pieces(
+        start in prop::array::uniform3(0..13i32),
+        ways in prop::array::uniform2(prop::array::uniform3(-6..7i32)),
+        offsets in prop::array::uniform3(prop::array::uniform3(-1.0..1.0f64)),
+        sizes in prop::array::uniform3(-13.0..-2.0f64),
+        is_plane in any::<bool>(),
+    ) {
+        let ends = [start, std::array::from_fn(|n| start[n] + ways[0][n]), std::array::from_fn(|n| start[n] + ways[1][n])];
+        let mut corners = [DVec3::ZERO; 3];
+        for n in 0..3 {
+            // The same offset for all moves a plane away from corners of cells.
+            let m = if is_plane { 0 } else { n };
+            let offset = DVec3::from(offsets[m]) * 10f64.powf(sizes[m]);
+            corners[n] = (0.5 * IVec3::from(ends[n]).as_dvec3() + offset).clamp(DVec3::ZERO, DVec3::splat(8.0));
+        }
+        // Cutting rounds corners to the last bits, of which planes that near have no more.
+        let nearest = sizes.into_iter().fold(0.0, f64::min);
+        compare(corners, &CellBox::of_grid(DIMS), 1e-9 + 1e-14 / 10f64.powf(nearest))?;
+    }
+
     /// Boxes that hold a part of the triangle, which may reach beyond the grid, in halves too.
     #[test]
     fn areas_in_boxes_are_those_of_the_pieces(

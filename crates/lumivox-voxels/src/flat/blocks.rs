@@ -136,18 +136,19 @@ impl<'a> BlockWorker<'a> {
     /// Adds a piece to the cell at a place, and marks it.
     #[inline(always)]
     fn add(&mut self, place: usize, piece: &FlatPiece) {
-        let (word, bit) = (&mut self.marks[place >> 6], 1 << (place & 63));
+        let (word, bit) = (&mut self.marks[place >> 6], place & 63);
         let sum = &mut self.sums[place];
-        if *word & bit == 0 {
-            *word |= bit;
+        // What is not marked counts as nothing, without a branch: nobody foresees it.
+        let keep = 0i64.wrapping_sub((*word >> bit & 1) as i64);
+        let [a, b, c, d] = *sum;
+        let [w, x, y, z] = piece.0;
+        *word |= 1 << bit;
+        if (a & keep) + w >= LONGEST {
+            self.aside.push((place as u32, FlatPiece([a & keep, b & keep, c & keep, d & keep])));
             *sum = piece.0;
             return;
         }
-        if sum[0] + piece.0[0] >= LONGEST {
-            self.aside.push((place as u32, FlatPiece(*sum)));
-            *sum = [0; 4];
-        }
-        sum.iter_mut().zip(piece.0).for_each(|(sum, number)| *sum += number);
+        *sum = [(a & keep) + w, (b & keep) + x, (c & keep) + y, (d & keep) + z];
     }
 
     /// Appends the bricks that have cells, and forgets them.
