@@ -7,10 +7,13 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use glam::UVec2;
 use image::{Rgb, RgbImage};
+use lumivox::core::Projection;
 use lumivox::slicemap::{HostSlicemap, SlicemapSettings, Slicing};
 use lumivox_render::camera_slicemap;
+use lumivox_scene::Camera;
 
-use crate::args::{CameraArg, GpuArgs, Size};
+use crate::args::{CameraArg, ClipArg, GpuArgs, Size};
+use crate::motion::chosen_clip;
 use crate::{framing, info, output, stats};
 
 #[derive(Debug, Args)]
@@ -35,8 +38,50 @@ pub(crate) struct SlicesArgs {
     /// EYE:TARGET[:FOV]; the scene's first camera, or one that sees all, unless it is given.
     #[arg(long, allow_hyphen_values = true, value_name = "X,Y,Z:X,Y,Z[:DEGREES]")]
     camera: Option<CameraArg>,
+    /// Whether columns meet in the eye or are parallel.
+    #[arg(long, value_enum, default_value = "perspective")]
+    projection: ProjectionArg,
+    /// Which faces fill cells.
+    #[arg(long, value_enum, default_value = "all")]
+    faces: FacesArg,
+    /// The moment, in seconds, of a scene that moves.
+    #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
+    time: f32,
+    /// The motion that it is a moment of, by name or number; none for the pose that the scene is stored in. The first unless given.
+    #[arg(long, value_name = "NAME|N|none")]
+    clip: Option<ClipArg>,
     #[command(flatten)]
     gpu: GpuArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ProjectionArg {
+    Perspective,
+    /// As wide at the camera's target as the perspective view is there.
+    Parallel,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FacesArg {
+    /// All, in white.
+    All,
+    /// Those that face the camera.
+    Front,
+    /// Those that face away.
+    Back,
+    /// Both apart: blue for what faces the camera, orange for what faces away, white for cells with both.
+    Split,
+}
+
+impl FacesArg {
+    /// Whether cells of a set count: fronts are in the first, backs in the second.
+    fn wants(self, set: u32) -> bool {
+        match self {
+            Self::All | Self::Split => true,
+            Self::Front => set == 0,
+            Self::Back => set == 1,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -49,6 +94,8 @@ enum SlicingArg {
 
 /// More points than that are no file that anybody opens.
 const MOST_POINTS: usize = 20_000_000;
+/// Pixels a side of the largest sheet, of 450 MB.
+const MOST_SIDE: u64 = 12_288;
 
 /// Runs the command.
 pub(crate) fn run(args: &SlicesArgs) -> Result<()> {
@@ -56,71 +103,104 @@ pub(crate) fn run(args: &SlicesArgs) -> Result<()> {
     if !["png", "ply"].contains(&extension.as_str()) {
         bail!("{}: slices are written as .png or .ply", args.output.display());
     }
+    if !args.time.is_finite() {
+        bail!("--time must be a finite number of seconds");
+    }
+    let size = UVec2::new(args.size.0, args.size.1);
+    if extension == "png" {
+        check_sheet(size, args.slices)?;
+    }
     output::prepare(&args.output)?;
     output::check_apart(&[&args.scene], &[&args.output])?;
-    let scene = lumivox_scene::load(&args.scene)?;
+    let mut scene = lumivox_scene::load(&args.scene)?;
     stats::warn_of_import(&scene);
-    let camera = match &args.camera {
-        Some(camera) => lumivox_scene::Camera::from(*camera),
-        None => match scene.cameras.first() {
-            Some(camera) => camera.clone(),
-            None => framing::best_camera(&scene, &scene.bounds())?,
-        },
+    let clip = chosen_clip(&scene, &args.scene, args.clip.as_ref())?;
+    let pose = scene.pose(clip.unwrap_or(usize::MAX), args.time);
+    scene.apply(&pose);
+    let camera = match (&args.camera, pose.cameras.first()) {
+        (Some(camera), _) => Camera::from(*camera),
+        (None, Some(camera)) => camera.clone(),
+        (None, None) => framing::best_camera(&scene, &scene.bounds())?,
     };
     let settings = SlicemapSettings {
-        size: UVec2::new(args.size.0, args.size.1),
+        size,
         slices: args.slices,
         slicing: if args.slicing == SlicingArg::Local { Slicing::Local } else { Slicing::Uniform },
         conservative: args.conservative,
+        splits_faces: args.faces != FacesArg::All,
         ..SlicemapSettings::default()
     };
+    let projection = match args.projection {
+        ProjectionArg::Perspective => Projection::Perspective,
+        ProjectionArg::Parallel => Projection::Orthographic,
+    };
     let gpu = info::open_gpu(&args.gpu)?;
-    let map = camera_slicemap(&gpu, &scene, &camera, settings).with_context(|| args.scene.clone())?;
-    let filled = map.filled().count();
+    let map =
+        camera_slicemap(&gpu, &scene, (&camera, projection), settings).with_context(|| args.scene.clone())?;
+    let filled = map.filled().filter(|(_, set, _)| args.faces.wants(*set)).count();
     if extension == "png" {
-        output::write_png(&args.output, &sheet(&map, &gpu)?)?;
+        output::write_png(&args.output, &sheet(&map, args.faces))?;
     } else {
         if filled > MOST_POINTS {
             bail!(
                 "{filled} cells are more than {MOST_POINTS} points: try a smaller --size or fewer --slices"
             );
         }
-        output::write_text(&args.output, &points(&map))?;
+        output::write_text(&args.output, &points(&map, args.faces))?;
     }
     eprintln!("lumivox: {filled} filled cells in {}", args.output.display());
     Ok(())
 }
 
-/// About as wide as high, in grey lines.
-fn sheet(map: &HostSlicemap, gpu: &lumivox::gpu::Gpu) -> Result<RgbImage> {
-    let SlicemapSettings { size, slices, .. } = *map.settings();
-    let across =
-        ((f64::from(slices) * f64::from(size.y) / f64::from(size.x)).sqrt().ceil() as u32).clamp(1, slices);
-    let most = gpu.device.limits().max_texture_dimension_2d;
-    let whole = size * UVec2::new(across, slices.div_ceil(across));
-    if whole.max_element() > 4 * most {
-        bail!("a sheet of {whole} pixels is too large: try a smaller --size or fewer --slices");
+/// Slices in a row of a sheet that is about as wide as high.
+fn across(size: UVec2, slices: u32) -> u32 {
+    ((f64::from(slices) * f64::from(size.y) / f64::from(size.x)).sqrt().ceil() as u32).clamp(1, slices)
+}
+
+/// Refuses a sheet that no picture holds.
+fn check_sheet(size: UVec2, slices: u32) -> Result<()> {
+    let across = across(size, slices);
+    let width = u64::from(size.x) * u64::from(across);
+    let height = u64::from(size.y) * u64::from(slices.div_ceil(across));
+    if width.max(height) > MOST_SIDE {
+        bail!(
+            "{slices} slices of {} x {} columns make a sheet of {width} x {height} pixels, more than {MOST_SIDE} a side: try a smaller \
+             --size, fewer --slices or points (.ply)",
+            size.x,
+            size.y
+        );
     }
-    let (whole, pixels) = map.sheet(across);
-    Ok(RgbImage::from_fn(whole.x, whole.y, |x, y| {
+    Ok(())
+}
+
+/// About as wide as high, in grey lines.
+fn sheet(map: &HostSlicemap, faces: FacesArg) -> RgbImage {
+    let SlicemapSettings { size, slices, .. } = *map.settings();
+    let across = across(size, slices);
+    let whole = size * UVec2::new(across, slices.div_ceil(across));
+    let mut sheet = RgbImage::from_fn(whole.x, whole.y, |x, y| {
         let border = x % size.x == 0 || y % size.y == 0;
-        let filled = pixels[(y * whole.x + x) as usize] != 0;
-        Rgb(if filled {
-            [255; 3]
-        } else if border {
-            [70, 74, 80]
-        } else {
-            [18; 3]
-        })
-    }))
+        Rgb(if border { [70, 74, 80] } else { [18; 3] })
+    });
+    for (column, set, slice) in map.filled().filter(|(_, set, _)| faces.wants(*set)) {
+        let at = column + size * UVec2::new(slice % across, slice / across);
+        let has_both = || map.is_filled(column, 1 - set.min(1), slice);
+        let color = match (faces, set) {
+            (FacesArg::Split, 0) if !has_both() => [90, 160, 255],
+            (FacesArg::Split, 1) if !has_both() => [255, 160, 70],
+            _ => [255; 3],
+        };
+        sheet.put_pixel(at.x, at.y, Rgb(color));
+    }
+    sheet
 }
 
 /// The middles of filled cells, coloured from the nearest slice to the farthest.
-fn points(map: &HostSlicemap) -> String {
+fn points(map: &HostSlicemap, faces: FacesArg) -> String {
     let slices = map.settings().slices;
     let mut lines = String::new();
     let mut count = 0;
-    for (column, _, slice) in map.filled() {
+    for (column, _, slice) in map.filled().filter(|(_, set, _)| faces.wants(*set)) {
         let Some(p) = map.center(column, slice) else { continue };
         let part = 255 * slice / slices.max(2).saturating_sub(1).max(1);
         let _ = writeln!(lines, "{} {} {} {} 120 {}", p.x, p.y, p.z, 255 - part.min(255), part.min(255));
@@ -130,4 +210,19 @@ fn points(map: &HostSlicemap) -> String {
         "ply\nformat ascii 1.0\ncomment cells of a slicemap\nelement vertex {count}\nproperty float x\nproperty float y\n\
          property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n{lines}"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sheets_too_large_are_refused_with_their_size() {
+        let told = check_sheet(UVec2::splat(1024), 1024).unwrap_err().to_string();
+        assert!(told.contains("32768 x 32768"), "{told}");
+        for (size, slices) in [(UVec2::splat(512), 512), (UVec2::new(8192, 1), 1024), (UVec2::splat(8192), 1)]
+        {
+            assert!(check_sheet(size, slices).is_ok(), "{size}, {slices}");
+        }
+    }
 }

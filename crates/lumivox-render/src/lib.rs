@@ -39,8 +39,8 @@ pub mod voxel_view;
 pub use camera_slicemap::camera_slicemap;
 pub use composite::Layer;
 pub use renderer::{
-    Caster, Environment, FrameStats, GiMethod, GlassKind, GlassSettings, LeafShadowSettings, ObjectFields,
-    Polish, Renderer, RendererError, Settings, VoxelSource,
+    Caster, Environment, FrameStats, GiMethod, GlassIssue, GlassKind, GlassNote, GlassSettings,
+    LeafShadowSettings, ObjectFields, Polish, Renderer, RendererError, Settings, VoxelSource,
 };
 
 /// Every shader of this crate, for validation and for reading.

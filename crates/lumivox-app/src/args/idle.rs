@@ -1,6 +1,6 @@
 //! Options that have no effect beside others: whoever gives one expects something, and is told.
 
-use super::see_through::ShadowFilterArg;
+use super::see_through::{GlassArg, SeeThroughArgs, ShadowFilterArg};
 use super::{
     AoArg, BlockingArg, ByArg, GiArg, LayerArg, MirrorArg, ObjectArgs, ReflectionsArg, RenderArgs,
     VoxelizerArg, VoxelsArg,
@@ -16,13 +16,7 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
         None => args.frames.is_none(),
     };
     let needs_gather = matches!(args.layer, LayerArg::Glossy | LayerArg::Leaks);
-    let (through, leaves) = (&args.see_through, args.objects.shadows == ByArg::Transmittance);
     let found = [
-        (through.shadow_colors && !leaves, "--shadow-colors is for --shadows transmittance"),
-        (
-            through.shadow_filter != ShadowFilterArg::Steps && !leaves,
-            "--shadow-filter is for --shadows transmittance",
-        ),
         (!matches!(args.shot.mirror, MirrorArg::None) && !propagates, "--mirror is for --gi propagation"),
         (
             !matches!(args.shot.lpv_blocking, BlockingArg::None) && !matches!(gi, GiArg::Lpv),
@@ -46,6 +40,7 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
     found
         .into_iter()
         .chain(of_objects(&args.objects, args.layer))
+        .chain(of_glass_and_leaves(&args.see_through, args.objects.shadows, args.layer))
         .filter(|(is_idle, _)| *is_idle)
         .map(|(_, told)| told.to_owned())
         .collect()
@@ -84,6 +79,32 @@ fn of_objects(args: &ObjectArgs, layer: LayerArg) -> [(bool, &'static str); 7] {
     ]
 }
 
+/// Options of what light comes through.
+fn of_glass_and_leaves(args: &SeeThroughArgs, shadows: ByArg, layer: LayerArg) -> [(bool, &'static str); 6] {
+    let (leaves, is_seen_through) = (shadows == ByArg::Transmittance, args.glass == GlassArg::Refract);
+    let shows_glass = matches!(layer, LayerArg::Final | LayerArg::Thickness);
+    [
+        (args.shadow_colors && !leaves, "--shadow-colors is for --shadows transmittance"),
+        (
+            args.shadow_filter != ShadowFilterArg::Steps && !leaves,
+            "--shadow-filter is for --shadows transmittance",
+        ),
+        (
+            layer == LayerArg::Transmittance && !leaves,
+            "--layer transmittance is white without --shadows transmittance",
+        ),
+        (layer == LayerArg::Thickness && !is_seen_through, "--layer thickness is black with --glass opaque"),
+        (
+            args.speaks_of_glass() && !is_seen_through,
+            "--ior, --bend, --frost, --glass-slices and --environment... are for --glass refract",
+        ),
+        (
+            args.speaks_of_glass() && is_seen_through && !shows_glass,
+            "--ior, --bend, --frost, --glass-slices and --environment... are for --layer final and thickness",
+        ),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use clap::Parser;
@@ -117,6 +138,10 @@ mod tests {
             "--reflections field --polish 0.1 --field-points 290",
             "--ao subtract --layer occlusion",
             "--shadows transmittance --shadow-filter linear --shadow-colors",
+            "--shadows transmittance --layer transmittance",
+            "--layer thickness --glass-slices 64",
+            "--ior 1.3 --environment studio --environment-only",
+            "--glass opaque",
         ] {
             assert_eq!(told(useful), 0, "{useful}");
         }
@@ -141,6 +166,13 @@ mod tests {
             "--sigma 0.1",
             "--shadow-colors",
             "--shadow-filter linear",
+            "--layer transmittance",
+            "--layer transmittance --shadows volumes",
+            "--layer thickness --glass opaque",
+            "--glass opaque --ior 1.3",
+            "--glass opaque --layer direct --frost 0.1",
+            "--layer direct --glass-slices 64",
+            "--layer albedo --environment studio",
         ] {
             assert_eq!(told(idle), 1, "{idle}");
         }

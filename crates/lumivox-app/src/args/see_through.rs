@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use lumivox_render::{Environment, GlassKind, GlassSettings, Renderer, Settings};
+use lumivox_render::{Environment, GlassIssue, GlassNote, GlassSettings, Layer, Renderer, Settings};
 
 #[derive(Debug, Args)]
 pub(crate) struct SeeThroughArgs {
@@ -10,7 +10,7 @@ pub(crate) struct SeeThroughArgs {
     #[arg(long, value_enum, default_value = "refract")]
     pub(crate) glass: GlassArg,
     /// Cells between the nearest and the farthest glass of a pixel, of which its thickness is counted.
-    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = GlassSettings::default().slices, value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) glass_slices: u32,
     /// What glass mirrors, and sees where it looks out of the picture.
     #[arg(long, value_enum, default_value = "sky")]
@@ -93,18 +93,51 @@ impl SeeThroughArgs {
         }
     }
 
-    /// Puts what is said here in place of what the scene says, and warns of glass that is none.
+    /// Whether anything is said of glass.
+    pub(crate) fn speaks_of_glass(&self) -> bool {
+        [self.ior, self.bend, self.frost].iter().any(Option::is_some)
+            || self.glass_slices != GlassSettings::default().slices
+            || self.environment != EnvironmentArg::Sky
+            || self.environment_only
+    }
+
+    /// Warns of what is said of glass and leaves that the scene does not have.
+    fn warn_of_nothing(&self, renderer: &Renderer) {
+        let Settings { glass, leaf_shadows, layer, .. } = renderer.settings();
+        let asks = self.speaks_of_glass() || *layer == Layer::Thickness;
+        if asks && glass.is_some() && renderer.glass().is_empty() {
+            tracing::warn!("the scene has no glass: its options do nothing, and --layer thickness is black");
+        }
+        if leaf_shadows.is_some() && !renderer.has_leaf_shadows() {
+            tracing::warn!(
+                "--shadows transmittance does nothing: no surface of the scene has holes or is an absorber, or it has no sun, spot or \
+                 point light"
+            );
+        }
+    }
+
+    /// Puts what is said here in place of what the scene says, and warns of glass that is not shown as it is described.
     pub(crate) fn apply(&self, renderer: &mut Renderer, scene: &lumivox_scene::Scene) {
-        let name = |kind: &GlassKind| scene.materials.get(kind.material).map_or("", |m| m.name.as_str());
+        self.warn_of_nothing(renderer);
+        let name = |material: usize| scene.materials.get(material).map_or("", |m| m.name.as_str());
+        for GlassNote { material, issue } in renderer.glass_notes() {
+            let what = match *issue {
+                GlassIssue::Open { edges } => format!(
+                    "is not closed ({edges} open edges): it is shown as a thin pane; \"close_holes\" in a scene file puts lids on holes"
+                ),
+                GlassIssue::InsideOut { meshes: 1 } => {
+                    "has a mesh whose faces look inward: it is shown turned round".to_owned()
+                }
+                GlassIssue::InsideOut { meshes } => {
+                    format!("has {meshes} meshes whose faces look inward: they are shown turned round")
+                }
+                GlassIssue::LooksLike { material } => {
+                    format!("is shown like '{}': a picture has four kinds of glass", name(material))
+                }
+            };
+            tracing::warn!("glass '{}' {what}", name(*material));
+        }
         for (n, kind) in renderer.glass().to_vec().into_iter().enumerate() {
-            if kind.open_edges > 0 {
-                tracing::warn!(
-                    "glass '{}' is not closed ({} open edges): it is shown as a thin pane; \"close_holes\" in a scene file puts \
-                     lids on holes",
-                    name(&kind),
-                    kind.open_edges
-                );
-            }
             let mut glass = kind.glass;
             glass.ior = self.ior.unwrap_or(glass.ior);
             glass.bend = self.bend.unwrap_or(glass.bend);

@@ -12,6 +12,8 @@ use lumivox_core::TriangleView;
 use lumivox_scene::Scene;
 use lumivox_voxels::{MeshView, Model};
 
+use super::report::Report;
+
 /// A model on both sides.
 #[derive(Debug)]
 pub(super) struct Subject {
@@ -85,6 +87,18 @@ impl Subject {
 /// The folder of models, if there is one.
 pub(super) fn assets() -> Option<PathBuf> {
     std::env::var_os("LUMIVOX_ASSETS").map(PathBuf::from).filter(|folder| folder.is_dir())
+}
+
+/// A file of the folder of models. One that is not there is told in the report.
+pub(super) fn asset(file: &str, report: &mut Report) -> Option<PathBuf> {
+    let found = assets().map(|folder| folder.join(file)).filter(|path| path.is_file());
+    if found.is_none() {
+        report.say(&format!(
+            "**Left out:** `{file}`, which the folder that `LUMIVOX_ASSETS` names does not have."
+        ));
+        tracing::warn!("{file} is left out: LUMIVOX_ASSETS names no folder that has it");
+    }
+    found
 }
 
 fn loaded(gpu: &Gpu, folder: &Path, name: &str, file: &str) -> Result<Option<Subject>> {

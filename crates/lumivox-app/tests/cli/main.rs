@@ -20,6 +20,7 @@ mod others;
 mod outputs;
 mod pictures;
 mod pixels;
+mod see_through;
 mod support;
 mod voxel_colors;
 mod voxel_files;
@@ -47,6 +48,7 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("field names what is wrong", field::wrong_arguments),
     ("field bakes, draws, checks and reads", field::baked),
     ("field cuts what is elongated into several spheres", field::several_spheres),
+    ("slices, leaves and glass name what is wrong", see_through::wrong_arguments),
     ("voxelize names what is wrong before it begins", voxelize::wrong_arguments),
     ("voxelize writes the same cells in every format", voxelize::formats),
     ("voxelize takes any grid, and tells what it did", voxelize::grids),
@@ -102,6 +104,9 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("direct light of the sky in a box is the path tracer's", direct_light::sky_in_a_box),
     ("a demo writes all it promises", others::demo),
     ("pictures by visibility fields", field::pictures),
+    ("slices of fronts and backs, parallel, and of a moment", see_through::slices),
+    ("leaves leave a part of the light", see_through::leaves),
+    ("glass has a thickness, and tells what it is not", see_through::glass),
     ("info tells adapters and limits", others::info),
     ("voxelize on a GPU has the exact cells, but for margins", voxelize_gpu::coverages),
     ("voxelize runs every method", voxelize_gpu::methods),

@@ -1,23 +1,24 @@
 //! Glass of a scene: drawn over the finished picture of all that is opaque ([`lumivox::refraction`]).
 //!
-//! A picture has four kinds of glass at most; a kind is a material, and those of its meshes that are not closed are another, which is thin.
+//! A picture has four kinds of glass at most; a kind is a material, those of its meshes that are not closed are another, which is thin, and so are
+//! instances of another size, which bend otherwise ([`Kinds`]).
 //! Glass throws no shadow, and indirect light goes through it as if it were not there.
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{Mat4, UVec2, Vec3};
+use glam::{DVec3, Mat4, UVec2, Vec3};
 use lumivox::core::{Bounds, TriangleView, View, open_edges};
 use lumivox::gpu::{Buffer, Gpu, GpuError, StageTimer, Texture};
 use lumivox::progressive::ViewInput;
 use lumivox::refraction::{
     Backdrop, Evaluation, Glass, PICTURE_FORMAT, Pyramid, Refraction, RefractionSettings,
 };
-use lumivox::slicemap::MAX_KINDS;
 use lumivox::voxelize::{IndexView, Mesh, MeshDescriptor, VertexView};
 use lumivox::wgpu::{IndexFormat, VertexFormat};
 use lumivox_scene::{Pose, Scene};
 
 use super::RendererError;
+use super::glass_kinds::{Found, GlassKind, GlassNote, Kinds, described};
 
 /// What lies around, for rays that leave the picture and for what glass mirrors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,21 +54,11 @@ impl Default for GlassSettings {
     }
 }
 
-/// A material as glass, and whether its meshes are closed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GlassKind {
-    /// Index of the scene's material.
-    pub material: usize,
-    /// Edges of its meshes that are open; with any, it is thin.
-    pub open_edges: usize,
-    /// What it is like.
-    pub glass: Glass,
-}
-
 /// All glass of a scene.
 #[derive(Debug)]
 pub(super) struct GlassObjects {
     kinds: Vec<GlassKind>,
+    notes: Vec<GlassNote>,
     meshes: Vec<Placed>,
     shapes: Vec<Shape>,
     refraction: Refraction,
@@ -87,6 +78,13 @@ struct Placed {
 struct Shape {
     /// Its number in the scene.
     number: usize,
+    open_edges: usize,
+    /// Metres of its own space.
+    size: Vec3,
+    /// Whether its faces look inward, and are turned round here.
+    is_turned: bool,
+    /// Whether its normals are turned round here.
+    turns_normals: bool,
     positions: Buffer,
     normals: Buffer,
     indices: Buffer,
@@ -95,12 +93,40 @@ struct Shape {
 impl Shape {
     fn new(gpu: &Gpu, scene: &Scene, number: usize) -> Result<Self, GpuError> {
         let mesh = &scene.meshes[number];
-        Ok(Self {
+        let view = TriangleView { positions: &mesh.positions, indices: &mesh.indices };
+        let open_edges = open_edges(&view);
+        let (volume, along) = orientation(mesh);
+        let is_turned = open_edges == 0 && volume < 0.0;
+        let turns_normals = if is_turned { along > 0.0 } else { along < 0.0 };
+        let turn = |[a, b, c]: [u32; 3]| if is_turned { [a, c, b] } else { [a, b, c] };
+        let indices: Vec<[u32; 3]> = mesh.indices.iter().map(|t| turn(*t)).collect();
+        let shape = Self {
             number,
+            open_edges,
+            size: Bounds::of_points(view.iter().flatten()).size(),
+            is_turned,
+            turns_normals,
             positions: Buffer::storage_with(gpu, "glass/positions", &mesh.positions)?,
             normals: Buffer::storage_with(gpu, "glass/normals", &mesh.normals)?,
-            indices: Buffer::storage_with(gpu, "glass/indices", &mesh.indices)?,
-        })
+            indices: Buffer::storage_with(gpu, "glass/indices", &indices)?,
+        };
+        if turns_normals {
+            shape.write_normals(gpu, &mesh.normals);
+        }
+        Ok(shape)
+    }
+
+    fn write_normals(&self, gpu: &Gpu, normals: &[[f32; 3]]) {
+        let sign = if self.turns_normals { -1.0 } else { 1.0 };
+        let normals: Vec<[f32; 3]> = normals.iter().map(|n| n.map(|c| sign * c)).collect();
+        gpu.queue.write_buffer(&self.normals.raw, 0, bytemuck::cast_slice(&normals));
+    }
+
+    /// How thick an instance of it is at most: its smallest extent.
+    fn extent(&self, world_from_local: &Mat4) -> f32 {
+        let m = world_from_local;
+        let scale = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.truncate().length());
+        (self.size * Vec3::from(scale)).min_element()
     }
 
     fn mesh(&self, gpu: &Gpu, scene: &Scene, world_from_local: Mat4) -> Result<Mesh, RendererError> {
@@ -123,6 +149,20 @@ impl Shape {
     }
 }
 
+/// Six times the volume that a closed mesh's faces look out of, negative if they look into it; and whether its normals look the same way as
+/// its faces, in the mean over its area.
+fn orientation(mesh: &lumivox_scene::Mesh) -> (f64, f64) {
+    let point = |i: u32| DVec3::from(mesh.positions[i as usize].map(f64::from));
+    let normal = |i: u32| DVec3::from(mesh.normals[i as usize].map(f64::from));
+    let Some(origin) = mesh.indices.first().map(|t| point(t[0])) else { return (0.0, 0.0) };
+    mesh.indices.iter().fold((0.0, 0.0), |(volume, along), t| {
+        let [a, b, c] = t.map(|i| point(i) - origin);
+        let face = (b - a).cross(c - a);
+        let mean: DVec3 = t.iter().map(|i| normal(*i)).sum();
+        (volume + a.dot(b.cross(c)), along + face.dot(mean))
+    })
+}
+
 impl GlassObjects {
     /// None where the scene has no glass.
     pub(super) fn new(
@@ -131,44 +171,38 @@ impl GlassObjects {
         size: UVec2,
         settings: GlassSettings,
     ) -> Result<Option<Self>, RendererError> {
-        let mut kinds: Vec<GlassKind> = Vec::new();
-        let (mut shapes, mut meshes) = (Vec::<Shape>::new(), Vec::new());
-        // Of a mesh its kind.
-        let mut known: Vec<Option<u32>> = vec![None; scene.meshes.len()];
-        for (instance, placed) in scene.instances.iter().enumerate() {
-            let mesh = &scene.meshes[placed.mesh];
+        let (mut shapes, mut placed, mut found) = (Vec::<Shape>::new(), Vec::new(), Vec::new());
+        for (number, instance) in scene.instances.iter().enumerate() {
+            let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
             let Some(glass) = &material.glass else { continue };
             if mesh.indices.is_empty() {
                 continue;
             }
-            let shape = match shapes.iter().position(|s| s.number == placed.mesh) {
+            let shape = match shapes.iter().position(|s| s.number == instance.mesh) {
                 Some(shape) => shape,
                 None => {
-                    shapes.push(Shape::new(gpu, scene, placed.mesh)?);
+                    shapes.push(Shape::new(gpu, scene, instance.mesh)?);
                     shapes.len() - 1
                 }
             };
-            let kind = match known[placed.mesh] {
-                Some(kind) => kind,
-                None => {
-                    let view = TriangleView { positions: &mesh.positions, indices: &mesh.indices };
-                    let open = open_edges(&view);
-                    let extent = Bounds::of_points(view.iter().flatten()).size().min_element();
-                    let extent = extent * placed.world_from_local.x_axis.truncate().length();
-                    let tint = material.base_color.truncate();
-                    let found = GlassKind {
-                        material: mesh.material,
-                        open_edges: open,
-                        glass: described(glass, tint, extent, open > 0),
-                    };
-                    kind_of(&mut kinds, found)
-                }
-            };
-            known[placed.mesh] = Some(kind);
-            let mesh = shapes[shape].mesh(gpu, scene, placed.world_from_local)?;
-            meshes.push(Placed { instance, kind, mesh });
+            let Shape { open_edges, is_turned, .. } = shapes[shape];
+            let extent = shapes[shape].extent(&instance.world_from_local);
+            let glass_here = described(glass, material.base_color.truncate(), extent, open_edges > 0);
+            found.push(Found {
+                mesh: instance.mesh,
+                is_turned,
+                is_pane: glass.is_thin,
+                kind: GlassKind { material: mesh.material, open_edges, glass: glass_here },
+            });
+            placed.push((number, shapes[shape].mesh(gpu, scene, instance.world_from_local)?));
         }
+        let Kinds { kinds, numbers, notes } = Kinds::new(&found);
+        let meshes: Vec<Placed> = placed
+            .into_iter()
+            .zip(numbers)
+            .map(|((instance, mesh), kind)| Placed { instance, kind, mesh })
+            .collect();
         if meshes.is_empty() {
             return Ok(None);
         }
@@ -183,7 +217,7 @@ impl GlassObjects {
         let refraction = Refraction::new(gpu, refraction)?;
         let environment = environment(gpu, scene, settings.environment)?;
         let target = Texture::target(gpu, "render/glass", size.to_array(), PICTURE_FORMAT)?;
-        let mut objects = Self { kinds, meshes, shapes, refraction, environment, target };
+        let mut objects = Self { kinds, notes, meshes, shapes, refraction, environment, target };
         objects.write(gpu);
         Ok(Some(objects))
     }
@@ -195,6 +229,10 @@ impl GlassObjects {
 
     pub(super) fn kinds(&self) -> &[GlassKind] {
         &self.kinds
+    }
+
+    pub(super) fn notes(&self) -> &[GlassNote] {
+        &self.notes
     }
 
     /// Changes a kind.
@@ -215,7 +253,7 @@ impl GlassObjects {
         for moved in &pose.deformed {
             let Some(shape) = self.shapes.iter().find(|s| s.number == moved.mesh) else { continue };
             gpu.queue.write_buffer(&shape.positions.raw, 0, bytemuck::cast_slice(&moved.positions));
-            gpu.queue.write_buffer(&shape.normals.raw, 0, bytemuck::cast_slice(&moved.normals));
+            shape.write_normals(gpu, &moved.normals);
         }
     }
 
@@ -247,36 +285,6 @@ impl GlassObjects {
     /// Metres of glass at each pixel. Waits.
     pub(super) fn thickness(&self, gpu: &Gpu) -> Result<Vec<f32>, GpuError> {
         Ok(self.refraction.thickness().read(gpu)?.into_iter().map(|kinds| kinds.iter().sum()).collect())
-    }
-}
-
-/// The number of a kind, after it has been put to the others; what finds no room looks like the last.
-fn kind_of(kinds: &mut Vec<GlassKind>, found: GlassKind) -> u32 {
-    let alike = |k: &GlassKind| k.material == found.material && k.glass.is_thin == found.glass.is_thin;
-    if let Some(n) = kinds.iter().position(alike) {
-        kinds[n].open_edges += found.open_edges;
-        return n as u32;
-    }
-    if kinds.len() < MAX_KINDS as usize {
-        kinds.push(found);
-    }
-    kinds.len() as u32 - 1
-}
-
-/// A scene's glass as the pass takes it, for things of some extent in metres.
-fn described(glass: &lumivox_scene::Glass, tint: Vec3, extent: f32, is_open: bool) -> Glass {
-    Glass {
-        ior: glass.ior,
-        // A ball bends in its middle as much as its two surfaces do.
-        bend: glass.bend.unwrap_or(2.0 / extent.max(1e-6)),
-        through: glass.through_metre(),
-        tint,
-        body: glass.body,
-        frost: glass.frost,
-        // Rough surfaces that hardly refract hardly blur.
-        roughness: glass.roughness * glass.roughness * (2.0 * glass.ior - 2.0).clamp(0.0, 1.0),
-        gloss: 1.0,
-        is_thin: glass.is_thin || is_open,
     }
 }
 

@@ -5,6 +5,7 @@ mod expected;
 mod field_objects;
 mod frame;
 mod glass;
+mod glass_kinds;
 mod hit_light;
 mod indirect;
 mod injected_lights;
@@ -44,7 +45,8 @@ use volume_shadows::VolumeShadows;
 
 pub(crate) use field_objects::Shade;
 pub use field_objects::{Caster, ObjectFields};
-pub use glass::{Environment, GlassKind, GlassSettings};
+pub use glass::{Environment, GlassSettings};
+pub use glass_kinds::{GlassIssue, GlassKind, GlassNote};
 pub use leaf_shadows::LeafShadowSettings;
 pub use settings::{GiMethod, Polish, Settings, VoxelSource};
 pub use shadowed_lights::{ShadowBatch, ShadowBatchUniform, ShadowTile, ShadowViewUniform, ShadowedLights};
@@ -305,9 +307,19 @@ impl Renderer {
         }
     }
 
+    /// Whether any surface leaves a part of a light, with [`Settings::leaf_shadows`].
+    pub fn has_leaf_shadows(&self) -> bool {
+        self.leaves.is_some()
+    }
+
     /// The kinds of glass, with [`Settings::glass`].
     pub fn glass(&self) -> &[GlassKind] {
         self.glass.as_ref().map_or(&[], GlassObjects::kinds)
+    }
+
+    /// What of the scene's glass is not shown as it is described, with [`Settings::glass`].
+    pub fn glass_notes(&self) -> &[GlassNote] {
+        self.glass.as_ref().map_or(&[], GlassObjects::notes)
     }
 
     /// Changes a kind of glass by its place in [`Self::glass`], from the next frame on.

@@ -1,6 +1,6 @@
 //! From light to pictures, and what is asked of a renderer between frames.
 
-use glam::Vec3;
+use glam::{DVec3, UVec2, Vec3};
 use lumivox::VolumeBuffer;
 use lumivox::gather::{GatheredLight, SurfelCount};
 use lumivox::gpu::StageTimer;
@@ -123,6 +123,20 @@ impl Renderer {
         }
         let texels: Vec<[half::f16; 4]> = lumivox::gpu::read_texture(&self.gpu, &self.picture)?;
         Ok(texels.iter().map(|t| Vec3::new(t[0].to_f32(), t[1].to_f32(), t[2].to_f32())).collect())
+    }
+
+    /// The place in the world that each pixel shows, row 0 on top; none for the sky, and glass that is seen through is not there. Waits.
+    pub fn read_places(&self) -> Result<Vec<Option<DVec3>>, RendererError> {
+        let size = self.settings.size;
+        let depths: Vec<f32> = lumivox::gpu::read_texture(&self.gpu, &self.camera.input.textures.depth)?;
+        let world_from_clip = self.camera.view.clip_from_world.as_dmat4().inverse();
+        let place = |(n, depth): (u32, f32)| {
+            // Reversed: what is far away has none.
+            let uv = (UVec2::new(n % size.x, n / size.x).as_dvec2() + 0.5) / size.as_dvec2();
+            let ndc = DVec3::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, f64::from(depth));
+            (depth > 0.0).then(|| world_from_clip.project_point3(ndc))
+        };
+        Ok((0..).zip(depths).map(place).collect())
     }
 
     /// The volume.

@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
-use lumivox_render::{GiMethod, GlassSettings, Layer, Renderer, Settings};
+use lumivox_render::{GiMethod, GlassIssue, GlassNote, GlassSettings, Layer, Renderer, Settings};
 use lumivox_scene::{Camera, Glass, Instance, Light, Material, Mesh, Scene};
 
 use crate::Check;
@@ -13,6 +13,10 @@ use crate::scenes::{Quad, add, small};
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("glass is seen through and tints by its thickness", seen_through),
     ("an open mesh of glass is a thin pane, and is told", open_mesh),
+    ("an open mesh is thin where four thick kinds come before it", fifth_kind),
+    ("glass turned inside out is turned round, and is told", inside_out),
+    ("panes far away leave the thickness of other glass alone", panes),
+    ("a pane is the same from both sides", both_sides),
 ];
 
 /// A lit floor, and a cube of 1 m over it.
@@ -122,5 +126,103 @@ fn open_mesh(gpu: &Gpu) -> Result<(), Failed> {
         "{:?}",
         through.first()
     );
+    Ok(())
+}
+
+fn fifth_kind(gpu: &Gpu) -> Result<(), Failed> {
+    let black = Glass { color: Vec3::ZERO, distance: 0.1, ..Glass::default() };
+    let mut scene = scene(black, 10);
+    let open = scene.instances.pop().ok_or("an open cube")?;
+    let closed = self::scene(black, 12).meshes.pop().ok_or("a cube")?;
+    for n in 0..4 {
+        let glass = Material { glass: Some(black), ..Material::matte("other", Vec3::ONE) };
+        scene.materials.push(glass);
+        scene.meshes.push(Mesh { material: scene.materials.len() - 1, ..closed.clone() });
+        let world_from_local = Mat4::from_translation(Vec3::new(20.0 + 3.0 * n as f32, 1.5, 0.0));
+        scene.instances.push(Instance { mesh: scene.meshes.len() - 1, world_from_local });
+    }
+    scene.instances.push(open);
+    let (picture, renderer) = rendered(gpu, &scene, true, Layer::Final)?;
+    let thin: Vec<usize> = renderer.glass().iter().filter(|k| k.glass.is_thin).map(|k| k.material).collect();
+    assert_eq!((renderer.glass().len(), thin), (4, vec![1]));
+    let told = [
+        GlassNote { material: 1, issue: GlassIssue::Open { edges: 4 } },
+        GlassNote { material: 5, issue: GlassIssue::LooksLike { material: 4 } },
+    ];
+    assert_eq!(renderer.glass_notes(), told);
+    let floor = 0.5 * 3.0 / std::f32::consts::PI;
+    let expected = 0.96 * floor * Vec3::new(1.0, 0.5, 1.0);
+    let [through, _] = sides(&picture);
+    assert!(through.len() > 100);
+    for seen in through {
+        assert!((seen - expected).abs().max_element() < 0.02 * floor, "{seen} of {expected}");
+    }
+    Ok(())
+}
+
+fn inside_out(gpu: &Gpu) -> Result<(), Failed> {
+    let glass = Glass { color: Vec3::new(0.5, 1.0, 1.0), distance: 0.5, ..Glass::default() };
+    let scene = scene(glass, 12);
+    let (expected, renderer) = rendered(gpu, &scene, true, Layer::Final)?;
+    assert!(renderer.glass_notes().is_empty());
+    let [through, _] = sides(&expected);
+    assert!(through.iter().all(|seen| seen.max_element() > 0.1));
+    // With normals that look inward, as importers make them of such faces, and with those of the file.
+    for turns_normals in [true, false] {
+        let mut turned = scene.clone();
+        turned.meshes[1].indices.iter_mut().for_each(|t| t.swap(1, 2));
+        if turns_normals {
+            turned.meshes[1].normals.iter_mut().for_each(|n| *n = n.map(|c| -c));
+        }
+        let (picture, renderer) = rendered(gpu, &turned, true, Layer::Final)?;
+        let told = GlassNote { material: 1, issue: GlassIssue::InsideOut { meshes: 1 } };
+        assert_eq!(renderer.glass_notes(), [told]);
+        let off = picture.iter().zip(&expected).map(|(a, b)| (*a - *b).abs().max_element());
+        assert!(off.fold(0.0, f32::max) < 1e-3, "turned normals: {turns_normals}");
+    }
+    Ok(())
+}
+
+/// A pane of 400 m a side, looking up or down.
+fn add_pane(scene: &mut Scene, height: f32, up: bool) {
+    let glass = Some(Glass { is_thin: true, ..Glass::default() });
+    scene.materials.push(Material { glass, ..Material::matte("pane", Vec3::new(0.5, 1.0, 1.0)) });
+    let corners =
+        [[-200.0, height, 200.0], [200.0, height, 200.0], [200.0, height, -200.0], [-200.0, height, -200.0]];
+    let indices = if up { vec![[0, 1, 2], [0, 2, 3]] } else { vec![[0, 2, 1], [0, 3, 2]] };
+    scene.meshes.push(Mesh::flat("pane", corners.to_vec(), indices, scene.materials.len() - 1));
+    let mesh = scene.meshes.len() - 1;
+    scene.instances.push(Instance { mesh, world_from_local: Mat4::IDENTITY });
+}
+
+fn panes(gpu: &Gpu) -> Result<(), Failed> {
+    let mut scene = scene(Glass::default(), 12);
+    add_pane(&mut scene, -150.0, true);
+    let (metres, renderer) = rendered(gpu, &scene, true, Layer::Thickness)?;
+    assert_eq!(renderer.glass().len(), 2);
+    // Said to be thin, so nobody needs to be told of its open edges.
+    assert!(renderer.glass_notes().is_empty());
+    let [through, beside] = sides(&metres);
+    assert!(through.len() > 100 && beside.len() > 100);
+    for metres in through {
+        assert!((metres.x - 1.0).abs() < 0.07, "{metres}");
+    }
+    assert!(beside.iter().all(|m| m.x == 0.0));
+    Ok(())
+}
+
+fn both_sides(gpu: &Gpu) -> Result<(), Failed> {
+    let floor = 0.5 * 3.0 / std::f32::consts::PI;
+    let expected = 0.96 * floor * Vec3::new(0.5, 1.0, 1.0);
+    for up in [true, false] {
+        let mut scene = scene(Glass::default(), 12);
+        scene.instances.pop();
+        add_pane(&mut scene, 2.0, up);
+        let [through, _] = sides(&rendered(gpu, &scene, true, Layer::Final)?.0);
+        assert!(through.len() > 100);
+        for seen in through {
+            assert!((seen - expected).abs().max_element() < 0.02 * floor, "{seen} of {expected}, up: {up}");
+        }
+    }
     Ok(())
 }

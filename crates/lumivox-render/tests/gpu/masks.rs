@@ -4,7 +4,7 @@ use glam::{Mat4, Vec3, Vec4};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
 use lumivox_render::{GiMethod, Layer, LeafShadowSettings, Renderer, Settings};
-use lumivox_scene::{AlphaMode, Camera, Instance, Light, Material, Scene, Texture, Wrap};
+use lumivox_scene::{AlphaMode, Camera, Instance, Light, Material, Scene, SpotFalloff, Texture, Wrap};
 
 use crate::Check;
 use crate::camera::{Ray, rays};
@@ -17,7 +17,8 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a blended surface is solid from one half on", blended),
     ("leaves take a part of the sun, one after the other", leaves_let_through),
     ("volumes shade for opaque surfaces, and maps for those with holes", volumes_and_maps),
-    ("leaves take a part of point lights, in their colours", leaves_before_a_lamp),
+    ("leaves take a part of point lights, in their colours", |gpu| leaves_before_a_lamp(gpu, false)),
+    ("leaves take a part of spots, in their colours", |gpu| leaves_before_a_lamp(gpu, true)),
 ];
 
 /// Albedos of sRGB 124 and 231.
@@ -145,13 +146,22 @@ fn injected_through(gpu: &Gpu) -> Result<(), Failed> {
     Ok(())
 }
 
-/// A lamp over a leaf, near and far to its side: each of its six maps is asked, light takes the leaf's colour, and what is said to be
+/// Angle from a spot's axis up to which it is full.
+const BEAM: f32 = 0.9;
+
+/// A lamp over a leaf, near and far to its side: each of its six maps is asked, or the one of a spot that looks at the floor's middle, light takes the leaf's colour, and what is said to be
 /// an absorber takes what it says. What a leaf takes changes from frame to frame.
-fn leaves_before_a_lamp(gpu: &Gpu) -> Result<(), Failed> {
+fn leaves_before_a_lamp(gpu: &Gpu, is_spot: bool) -> Result<(), Failed> {
     let (mut scene, ..) = leaf_scene(MASK, [0, 255]);
     let camera = Camera::look("below", Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.001), 100.0);
     for (lamp, stated) in [(Vec3::new(0.0, 1.6, 0.0), false), (Vec3::new(1.2, 3.0, 0.0), true)] {
-        scene.lights = vec![Light::Point { position: lamp, intensity: Vec3::splat(3.0) }];
+        let intensity = Vec3::splat(3.0);
+        scene.lights = vec![if is_spot {
+            let falloff = SpotFalloff::default();
+            Light::Spot { position: lamp, direction: -lamp, intensity, beam: BEAM, cutoff: 1.1, falloff }
+        } else {
+            Light::Point { position: lamp, intensity }
+        }];
         scene.materials[1].base_color = Vec4::new(0.4, 0.8, 0.0, 1.0);
         scene.materials[1].absorber = stated.then_some(Vec3::new(0.9, 0.2, 0.5));
         let leaves =
@@ -171,6 +181,9 @@ fn leaves_before_a_lamp(gpu: &Gpu) -> Result<(), Failed> {
                 let at = p + (lamp - p) / lamp.y;
                 let border = [at.x, at.x.abs() - 0.5, at.z.abs() - 0.5].map(f32::abs);
                 if border.iter().any(|b| *b < BORDER) || p.abs().max_element() > 0.8 {
+                    continue;
+                }
+                if is_spot && (p - lamp).angle_between(-lamp) > BEAM - 0.01 {
                     continue;
                 }
                 let is_shaded = at.x > 0.0 && at.x < 0.5 && at.z.abs() < 0.5;

@@ -28,8 +28,8 @@
 //! **Beyond the paper.** It looks into an environment alone. Here the picture of what is opaque behind comes first, and the environment
 //! where the bent ray leaves it; [`RefractionSettings::uses_picture`] turns that off. What glass mirrors by Fresnel's law is added.
 //!
-//! **Limits.** Things have to be closed: [`open_edges`](lumivox_core::open_edges) tells. An open one should be [`Glass::is_thin`], which
-//! is seen through without thickness. Glass inside of glass of the same kind counts once. A second glass behind the first takes light and
+//! **Limits.** Things have to be closed, and their faces have to look outward: [`open_edges`](lumivox_core::open_edges) and the sign of the
+//! volume tell. An open one should be [`Glass::is_thin`], which is seen through without thickness, from both sides. Glass inside of glass of the same kind counts once. A second glass behind the first takes light and
 //! blurs, but does not bend. What stands inside of glass cuts its thickness. The eye should be outside.
 //! The picture holds no more than the camera sees: what would be seen around a corner is taken from the environment, or from before it.
 
@@ -130,7 +130,10 @@ impl Refraction {
         environment: &Pyramid,
         target: &mut Texture,
     ) -> Result<(), GpuError> {
-        self.slicemap.record(gpu, encoder, meshes)?;
+        // What is thin has no cells, and must not stretch the columns of what has.
+        let thick: Vec<(&Mesh, u32)> =
+            meshes.iter().copied().filter(|(_, kind)| !self.shading.is_thin(*kind)).collect();
+        self.slicemap.record(gpu, encoder, &thick)?;
         self.surface.record(encoder, meshes);
         self.thickness.record(gpu, encoder, &self.slicemap, Some(backdrop))?;
         if self.settings.uses_picture {

@@ -89,7 +89,8 @@ impl Pyramid {
         if pixels.len() as u64 != u64::from(size.x) * u64::from(size.y) {
             let count = pixels.len();
             return Err(GpuError::Validation(format!(
-                "an environment of {size} pixels with {count} colours"
+                "an environment of {} x {} pixels with {count} colours",
+                size.x, size.y
             )));
         }
         let mut pyramid = Self::new(gpu, size, Edge::Wraps)?;

@@ -25,7 +25,8 @@ pub struct Glass {
     pub roughness: f32,
     /// How much of what it would mirror by Fresnel's law it mirrors, 0 to 1.
     pub gloss: f32,
-    /// Whether it has no thickness: for things that are not closed, such as a window of one quad.
+    /// Whether it has no thickness: for things that are not closed, such as a window of one quad. It is in no column, however far away it
+    /// stands.
     pub is_thin: bool,
 }
 

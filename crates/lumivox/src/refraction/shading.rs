@@ -44,6 +44,11 @@ impl Shading {
         self.uniform.write(gpu, &self.value);
     }
 
+    /// Whether a kind has no thickness; not for kinds that there are not.
+    pub(super) fn is_thin(&self, kind: u32) -> bool {
+        self.value.kinds.get(kind as usize).is_some_and(|glass| glass.is_thin != 0)
+    }
+
     pub(super) fn record(
         &self,
         gpu: &Gpu,

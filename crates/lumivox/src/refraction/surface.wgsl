@@ -33,13 +33,15 @@ fn vertex_main(@builtin(vertex_index) index: u32) -> Fragment {
 }
 
 @fragment
-fn fragment_main(f: Fragment) -> @location(0) vec4f {
+fn fragment_main(f: Fragment, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
     let length2 = dot(f.normal, f.normal);
     let is_parallel = slicemap.clip_from_world[0].w == 0.0 && slicemap.clip_from_world[1].w == 0.0
         && slicemap.clip_from_world[2].w == 0.0;
     let eye = select(normalize(f.eye), vec3f(0.0, 0.0, -1.0), is_parallel);
     let way = (transpose(slicemap.eye_from_world) * vec4f(eye, 0.0)).xyz;
-    var n = select(-way, f.normal * inverseSqrt(max(length2, 1e-30)), length2 > 1e-30);
+    // A pane is seen from its back too. A mirrored mesh turns its triangles the other way.
+    let side = select(-1.0, 1.0, is_front == (mesh.side > 0.0));
+    var n = select(-way, side * f.normal * inverseSqrt(max(length2, 1e-30)), length2 > 1e-30);
     // Near a silhouette an interpolated normal may look away though its face does not.
     n = normalize(n - 1.001 * max(dot(n, way), 0.0) * way);
     let kind = slicemap.bit_set / (1u + slicemap.splits_faces);

@@ -72,7 +72,8 @@ impl SlicemapSettings {
         if size.min_element() == 0 || size.max_element() > limits.max_texture_dimension_2d {
             let most = limits.max_texture_dimension_2d;
             return Err(GpuError::Validation(format!(
-                "a slicemap of {size} columns; 1 to {most} a side are possible"
+                "a slicemap of {} x {} columns; 1 to {most} a side are possible",
+                size.x, size.y
             )));
         }
         if !(1..=1024).contains(&slices) || !(1..=MAX_KINDS).contains(&kinds) {
@@ -83,7 +84,9 @@ impl SlicemapSettings {
         let (bytes, most) = (self.bytes(), limits.max_storage_buffer_binding_size);
         if bytes > most {
             return Err(GpuError::Validation(format!(
-                "a slicemap of {size} columns with {} sets of {slices} bits needs {bytes} bytes, but this device binds at most {most}",
+                "a slicemap of {} x {} columns with {} sets of {slices} bits needs {bytes} bytes, but this device binds at most {most}",
+                size.x,
+                size.y,
                 self.sets()
             )));
         }

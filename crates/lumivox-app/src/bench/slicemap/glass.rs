@@ -11,7 +11,7 @@ use super::leaves::tiled;
 use super::rays::{Rays, inner_metres, ndc};
 use super::row;
 use super::table_1::sum;
-use crate::bench::models::assets;
+use crate::bench::models::asset;
 use crate::bench::report::{Report, ms};
 use crate::bench::timing::Timer;
 use crate::{clock, sheet};
@@ -24,12 +24,11 @@ struct Subject {
 }
 
 /// The knot, and the bunny with a lid under it in the knot's place.
-fn subjects(quick: bool) -> Result<Vec<Subject>> {
+fn subjects(quick: bool, report: &mut Report) -> Result<Vec<Subject>> {
     let knot = lumivox_scene::builtin::knot_glass(if quick { 1 } else { 3 });
     let camera = knot.cameras.first().cloned().unwrap_or(Camera::look("", Vec3::Z, Vec3::ZERO, 45.0));
-    let bunny = assets().map(|folder| folder.join("meshes/bunny.ply")).filter(|path| path.is_file());
     let mut subjects = Vec::new();
-    if let (Some(path), false) = (bunny, quick) {
+    if !quick && let Some(path) = asset("meshes/bunny.ply", report) {
         let mut loaded = lumivox_scene::load(&path.to_string_lossy())?;
         let bounds = loaded.bounds();
         let mut scene = knot.clone();
@@ -84,7 +83,7 @@ fn settings(size: UVec2, glass: GlassSettings, layer: Layer) -> Settings {
 }
 
 pub(super) fn glass(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result<()> {
-    let subjects = subjects(quick)?;
+    let subjects = subjects(quick, report)?;
     rates(timer, &subjects, quick, report)?;
     thickness(timer, &subjects, quick, report)
 }
@@ -93,9 +92,10 @@ fn rates(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report: &mut Repo
     report.head("Refraction");
     let size = if quick { UVec2::splat(128) } else { UVec2::splat(512) };
     report.say(&format!(
-        "Milliseconds, and frames per second, of all stages of glass over a finished picture of {size}, 32 local slices: slicemap, nearest \
+        "Milliseconds, and frames per second, of all stages of glass over a finished picture of {} x {}, 32 local slices: slicemap, nearest \
          surface, thickness, pyramid of the picture and shading. The paper: above 200 Hz at 512 x 512, without its model's name. *Paper's form* \
-         looks into an environment alone."
+         looks into an environment alone.",
+        size.x, size.y
     ));
     let mut lines = Vec::new();
     for subject in subjects {
@@ -164,8 +164,9 @@ fn thickness(timer: &Timer<'_>, subjects: &[Subject], quick: bool, report: &mut 
     report.head("Thickness beside rays");
     let size = if quick { UVec2::splat(96) } else { UVec2::splat(256) };
     report.say(&format!(
-        "Metres of glass at each pixel of {size} beside those between fronts and backs that rays meet, over pixels with glass: root mean square and mean of \
-         the difference, in millimetres, and how thick it is on average."
+        "Metres of glass at each pixel of {} x {} beside those between fronts and backs that rays meet, over pixels with glass: root mean square and mean of \
+         the difference, in millimetres, and how thick it is on average.",
+        size.x, size.y
     ));
     let mut lines = Vec::new();
     for subject in subjects {

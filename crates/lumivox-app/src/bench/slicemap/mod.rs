@@ -5,6 +5,7 @@
 mod curves;
 mod glass;
 mod leaves;
+mod leaves_truth;
 mod prepass;
 mod rates;
 mod rays;
