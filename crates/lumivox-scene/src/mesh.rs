@@ -63,6 +63,12 @@ impl Mesh {
         lumivox_core::open_edges(&TriangleView { positions: &self.positions, indices: &self.indices })
     }
 
+    /// Gives it the normals of a smooth surface: averages, by area, of the faces around each position. For scans that were read with those of
+    /// their faces, and are to be seen through.
+    pub fn smooth(&mut self) {
+        self.normals = smooth_normals(&self.positions, &self.indices);
+    }
+
     fn push_vertex(&mut self, position: [f32; 3], normal: Vec3, like: usize) {
         self.positions.push(position);
         self.normals.push(normal.to_array());
@@ -296,6 +302,19 @@ mod tests {
             indices: vec![[0, 1, 2], [0, 2, 3]],
             ..RawMesh::default()
         }
+    }
+
+    #[test]
+    fn faces_become_smooth() {
+        let corners = (0..8u32).map(|n| [n & 1, n >> 1 & 1, n >> 2 & 1].map(|c| c as f32 - 0.5)).collect();
+        let corner = vec![[0, 2, 1], [0, 4, 2], [0, 1, 4]];
+        let mut mesh = Mesh::flat("corner", corners, corner, 0);
+        let middle: Vec<usize> = (0..9).filter(|n| mesh.positions[*n] == [-0.5; 3]).collect();
+        assert_eq!(middle.len(), 3);
+        mesh.smooth();
+        let expected = -Vec3::splat(3f32.sqrt().recip());
+        assert!(middle.iter().all(|n| Vec3::from(mesh.normals[*n]).distance(expected) < 1e-6));
+        assert_eq!(mesh.normals.len(), mesh.positions.len());
     }
 
     #[test]

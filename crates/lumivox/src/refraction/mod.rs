@@ -25,6 +25,9 @@
 //! thickness ([`Glass::through`]); and the picture that it looks at is the more blurred the thicker the glass
 //! ([`Glass::frost`]). All of it may change from frame to frame.
 //!
+//! Where a surface is so bumpy that the ways of neighboring pixels look far apart, it is blurred by as much, as a look-up in a texture with levels
+//! is: else scans are speckled.
+//!
 //! **Beyond the paper.** It looks into an environment alone. Here the picture of what is opaque behind comes first, and the environment
 //! where the bent ray leaves it; [`RefractionSettings::uses_picture`] turns that off. What glass mirrors by Fresnel's law is added.
 //!

@@ -103,28 +103,43 @@ fn environment_along(d: vec3f, blur: f32) -> vec3f {
     return smooth_environment(uv, level);
 }
 
-// What a ray from `start` sees: the picture where it shows that place, else the environment.
-fn seen_along(texel: vec2u, start: vec3f, d: vec3f, way: vec3f, blur: f32) -> vec3f {
-    if refraction.uses_picture == 0u {
-        return environment_along(d, blur);
+// Where in the picture a ray is after so many metres; a negative number of them is very far.
+fn place_along(start: vec3f, d: vec3f, reach: f32) -> vec4f {
+    if reach < 0.0 {
+        return view.clip_from_world * vec4f(d, 0.0);
     }
+    return view.clip_from_world * vec4f(start + reach * d, 1.0);
+}
+
+// How far a ray goes until it meets what the picture shows.
+fn reach_along(texel: vec2u, start: vec3f, d: vec3f, way: vec3f) -> f32 {
     // As far as what is straight behind.
+    var reach = -1.0;
     let behind_depth = textureLoad(depth, texel, 0).r;
-    var clip = view.clip_from_world * vec4f(d, 0.0);
     if behind_depth != view.far_depth {
-        let behind = world_from_texel(view, texel, behind_depth);
-        let reach = max(dot(behind - start, way), 0.0);
-        clip = view.clip_from_world * vec4f(start + reach * d, 1.0);
+        reach = max(dot(world_from_texel(view, texel, behind_depth) - start, way), 0.0);
     }
     // Then as far as what is found there, so that edges behind the pixel do not show where its ray goes elsewhere.
-    for (var n = 0u; n < LOOKS && clip.w > 0.0; n++) {
+    for (var n = 0u; n < LOOKS; n++) {
+        let clip = place_along(start, d, reach);
+        if clip.w <= 0.0 {
+            break;
+        }
         let place = saturate(uv_from_ndc(clip.xy / clip.w));
         let found = min(vec2u(place * vec2f(view.size)), view.size - 1u);
         let found_depth = textureLoad(depth, found, 0).r;
         if found_depth != view.far_depth {
-            let reach = max(dot(world_from_texel(view, found, found_depth) - start, d), 0.0);
-            clip = view.clip_from_world * vec4f(start + reach * d, 1.0);
+            reach = max(dot(world_from_texel(view, found, found_depth) - start, d), 0.0);
         }
+    }
+    return reach;
+}
+
+// What a ray sees that is at a place of the picture: the picture, else the environment. `spread` is how far apart the places and the ways of
+// neighboring pixels are, in pixels and in radians.
+fn seen_along(clip: vec4f, d: vec3f, blur: f32, spread: vec2f) -> vec3f {
+    if refraction.uses_picture == 0u {
+        return environment_along(d, max(blur, spread.y));
     }
     let uv = uv_from_ndc(clip.xy / max(clip.w, 1e-20));
     let inside = min(uv, 1.0 - uv) / BORDER;
@@ -134,40 +149,101 @@ fn seen_along(texel: vec2u, start: vec3f, d: vec3f, way: vec3f, blur: f32) -> ve
     }
     var around = vec3f(0.0);
     if share < 1.0 {
-        around = environment_along(d, blur);
+        around = environment_along(d, max(blur, spread.y));
     }
     if share <= 0.0 {
         return around;
     }
-    let level = max(log2(max(blur / refraction.pixel_angle, 1e-6)), 0.0);
-    var found = vec3f(0.0);
-    if level <= 0.0 {
-        found = textureSampleLevel(background, background_sampler, uv, 0.0).rgb;
-    } else {
-        found = smooth_background(uv, level);
+    // The spline of a level is as wide as two of its texels.
+    let level = max(log2(max(max(blur / refraction.pixel_angle, 0.5 * spread.x), 1e-6)), 0.0);
+    var found = textureSampleLevel(background, background_sampler, uv, 0.0).rgb;
+    if level > 0.0 {
+        // It blurs on the finest level too.
+        found = mix(found, smooth_background(uv, level), saturate(level));
     }
     return mix(around, found, share);
+}
+
+// What a pixel's ray does at the nearest glass.
+struct Look {
+    is_glass: bool,
+    kind: u32,
+    n: vec3f,
+    // Of each kind that is not thin.
+    metres: vec4f,
+    way: vec3f,
+    // Where the bent ray begins, as far behind the surface as the glass is thick.
+    start: vec3f,
+    bent: vec3f,
+    mirrored: vec3f,
+}
+
+fn look_of(texel: vec2u) -> Look {
+    var look: Look;
+    let glass = textureLoad(glass_normal, texel, 0);
+    look.is_glass = glass.w >= 0.5;
+    if !look.is_glass {
+        return look;
+    }
+    look.kind = min(u32(glass.w - 0.5), 3u);
+    look.n = normalize(glass.xyz);
+    look.way = way_of(texel);
+    let columns = vec2f(textureDimensions(thickness));
+    let column = vec2u((vec2f(texel) + 0.5) / vec2f(view.size) * columns);
+    look.metres = textureLoad(thickness, min(column, vec2u(columns) - 1u), 0);
+    for (var k = 0u; k < 4u; k++) {
+        if k >= refraction.kind_count || refraction.kinds[k].is_thin != 0u {
+            look.metres[k] = 0.0;
+        }
+    }
+    let own = refraction.kinds[look.kind];
+    let refracted = refract(look.way, look.n, 1.0 / own.ior);
+    let share = min(own.bend * look.metres[look.kind], MOST_BENT);
+    look.bent = normalize(look.way + share * (refracted - look.way));
+    look.start = world_from_texel(view, texel, textureLoad(glass_depth, texel, 0).r) + look.metres[look.kind] * look.way;
+    look.mirrored = reflect(look.way, look.n);
+    return look;
+}
+
+// How far apart a pixel and its neighbors see: pixels of the picture, radians of the bent way and of the mirrored one. A bumpy surface brings
+// places far apart side by side, and what lies between them is to be seen too. On each axis the neighbor that differs less counts, so
+// that rims stay sharp.
+fn spread_of(texel: vec2u, here: Look, clip: vec4f, reach: f32) -> vec3f {
+    var widest = vec3f(0.0);
+    let own = clip.xy / max(clip.w, 1e-20);
+    for (var axis = 0u; axis < 2u; axis++) {
+        var least = vec3f(1e30);
+        for (var side = -1; side <= 1; side += 2) {
+            let at = vec2i(texel) + side * vec2i(i32(1u - axis), i32(axis));
+            if any(at < vec2i(0)) || any(at >= vec2i(view.size)) {
+                continue;
+            }
+            let there = look_of(vec2u(at));
+            if there.is_glass && there.kind == here.kind {
+                let other = place_along(there.start, there.bent, reach);
+                let pixels = 0.5 * vec2f(view.size) * (other.xy / max(other.w, 1e-20) - own);
+                let angles = vec2f(distance(there.bent, here.bent), distance(there.mirrored, here.mirrored));
+                least = min(least, vec3f(length(pixels), angles));
+            }
+        }
+        widest = max(widest, select(vec3f(0.0), least, least < vec3f(1e30)));
+    }
+    return widest;
 }
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let texel = vec2u(position.xy);
     let plain = textureLoad(picture, texel, 0);
-    let glass = textureLoad(glass_normal, texel, 0);
     let front_depth = textureLoad(glass_depth, texel, 0).r;
     let behind_depth = textureLoad(depth, texel, 0).r;
     let is_hidden = (view.far_depth == 0.0 && behind_depth > front_depth)
         || (view.far_depth != 0.0 && behind_depth < front_depth);
-    if glass.w < 0.5 || is_hidden {
+    let look = look_of(texel);
+    if !look.is_glass || is_hidden {
         return plain;
     }
-    let kind = min(u32(glass.w - 0.5), 3u);
-    let own = refraction.kinds[kind];
-    let way = way_of(texel);
-    let n = normalize(glass.xyz);
-    let columns = vec2f(textureDimensions(thickness));
-    let column = vec2u((vec2f(texel) + 0.5) / vec2f(view.size) * columns);
-    let metres = textureLoad(thickness, min(column, vec2u(columns) - 1u), 0);
+    let own = refraction.kinds[look.kind];
 
     // All kinds on the way take light and blur; the first bends.
     var left = own.tint;
@@ -175,23 +251,20 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var blur = own.roughness;
     for (var k = 0u; k < refraction.kind_count; k++) {
         let glass_k = refraction.kinds[k];
-        let m = select(metres[k], 0.0, glass_k.is_thin != 0u);
         // Powers of zero are not the same everywhere, least of all the zeroth.
-        let passes = pow(max(glass_k.through, vec3f(1e-6)), vec3f(m));
+        let passes = pow(max(glass_k.through, vec3f(1e-6)), vec3f(look.metres[k]));
         lost += (1.0 - passes) * glass_k.body;
         left *= passes;
-        blur += glass_k.frost * m;
+        blur += glass_k.frost * look.metres[k];
     }
-    let own_metres = select(metres[kind], 0.0, own.is_thin != 0u);
-    let bent = refract(way, n, 1.0 / own.ior);
-    let share = min(own.bend * own_metres, MOST_BENT);
-    let d = normalize(way + share * (bent - way));
-    let front = world_from_texel(view, texel, front_depth);
-    var shown = left * seen_along(texel, front + own_metres * way, d, way, blur) + lost;
+    let reach = reach_along(texel, look.start, look.bent, look.way);
+    let clip = place_along(look.start, look.bent, reach);
+    let spread = spread_of(texel, look, clip, reach);
+    var shown = left * seen_along(clip, look.bent, blur, spread.xy) + lost;
 
     // Schlick.
     let head_on = pow((own.ior - 1.0) / (own.ior + 1.0), 2.0);
-    let mirrored = own.gloss * (head_on + (1.0 - head_on) * pow(1.0 - saturate(-dot(way, n)), 5.0));
-    shown = mix(shown, environment_along(reflect(way, n), own.roughness), mirrored);
+    let share = own.gloss * (head_on + (1.0 - head_on) * pow(1.0 - saturate(-dot(look.way, look.n)), 5.0));
+    shown = mix(shown, environment_along(look.mirrored, max(own.roughness, spread.z)), share);
     return vec4f(min(shown, vec3f(HALF_MAX)), plain.a);
 }

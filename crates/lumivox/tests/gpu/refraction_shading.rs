@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("refraction: glass that does nothing is not seen", nothing),
     ("refraction: a pyramid keeps its mean", pyramid),
     ("refraction: frost blurs by thickness, bending moves what is behind", frost_and_bend),
+    ("refraction: what bent ways skip between pixels is seen too", spread),
 ];
 
 /// A wall with a light of one colour, seen through glass in kinds.
@@ -207,5 +208,26 @@ fn frost_and_bend(labs: &Labs) -> Result<(), Failed> {
     };
     let counts = [white(0.0)?, white(0.4)?, white(2.0)?];
     assert!(counts[0] == 8 && counts[1] <= counts[0] && counts[2] < 5, "{counts:?}");
+    Ok(())
+}
+
+/// Stripes a pixel wide, seen through a ball so that each pixel looks some pixels away from the next one: its mean, and not every other
+/// pixel's stripe. A slab that bends nothing shows them as they are.
+fn spread(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    let stripes = Thing(Shape::Plane { point: DVec3::new(0.0, 0.0, -2.0), normal: DVec3::Z }, |p| Paint {
+        radiance: DVec3::splat((10.0 * p.x).floor().rem_euclid(2.0)),
+        ..Paint::default()
+    });
+    let contrast = |mesh: &Mesh, bend: f32| -> Result<f32, Failed> {
+        let glass = Glass { ior: 1.5, bend, ..PLAIN };
+        let found = seen(gpu, &[stripes], &[glass], &[(mesh, 0)], |s| s)?;
+        let middle = |n: &usize| (8..16).contains(&(n % 24)) && (8..16).contains(&(n / 24));
+        let off = found.iter().enumerate().filter(|(n, _)| middle(n)).map(|(_, p)| (p.x - 0.5).abs());
+        Ok(2.0 * off.sum::<f32>() / 64.0)
+    };
+    let (ball, slab) = (sphere(Vec3::ZERO, 1.0, 4).mesh(gpu)?, slab(gpu, [-0.9, 0.9], [-1.0, 1.0])?);
+    let contrasts = [contrast(&slab, 0.0)?, contrast(&slab, 2.0)?, contrast(&ball, 2.0)?];
+    assert!(contrasts[0] > 0.95 && contrasts[1] > 0.95 && contrasts[2] < 0.3, "{contrasts:?}");
     Ok(())
 }

@@ -35,6 +35,8 @@ fn subjects(quick: bool, report: &mut Report) -> Result<Vec<Subject>> {
         if let (Some(mesh), Some(placed)) = (loaded.meshes.pop(), scene.instances.first_mut()) {
             let material = scene.meshes[placed.mesh].material;
             scene.meshes[placed.mesh] = lumivox_scene::Mesh { material, ..mesh };
+            // The normals of its 69,451 faces, a pixel each, would be seen as noise.
+            scene.meshes[placed.mesh].smooth();
             scene.meshes[placed.mesh].close_holes();
             let scale = 1.5 / bounds.size().max_element();
             let low = Vec3::new(bounds.center().x, bounds.min.y, bounds.center().z);
