@@ -19,7 +19,7 @@
 //! | [`renderer`] | the frame |
 //!
 //! **See-through surfaces.** `Blend` materials are drawn as masks with a cutoff of one half: glass lets light and view
-//! pass unchanged, denser veils are solid.
+//! pass unchanged, denser veils are solid. Indirect light of volumes from triangles goes through veils and masks by their mean opacity.
 
 mod camera_slicemap;
 pub mod composite;

@@ -4,6 +4,9 @@
 //! four times as fine, are `thin`: no ray gets through, and nothing stands farther out than half a sub-cell. Light that
 //! propagates goes through faces of cells, and takes `thin` cells: walls one cell thick.
 //!
+//! What is seen through, masks and veils, is as opaque as it is on average in a cell, which light that propagates goes by; of its
+//! sub-cells as many are filled.
+//!
 //! Surfaces are moved a little behind their visible side, as injection moves its points, so that one on a cell boundary belongs
 //! to the cell behind.
 //!
@@ -15,7 +18,7 @@ use lumivox::core::Grid;
 use lumivox::gather::GatheredLight;
 use lumivox::gpu::{Gpu, GpuError};
 use lumivox::progressive::SURFACE_SHIFT;
-use lumivox::voxelize::{Channel, Coverage, Layer, Mesh, Options, VoxelizeError, Voxelizer};
+use lumivox::voxelize::{Channel, Coverage, Layer, Mesh, Options, SeeThrough, VoxelizeError, Voxelizer};
 use lumivox::wgpu::CommandEncoder;
 use lumivox_scene::{Pose, Scene};
 
@@ -75,11 +78,22 @@ impl TriangleVoxelizer {
         let channels = [Channel::normal(), Channel::albedo(), emission];
         let coverage = if gathers { Coverage::Exact } else { Coverage::Thin };
         let grid = *volume.grid();
-        let cells = Level::new(gpu, grid, &channels, coverage, SURFACE_SHIFT as f32)?;
+        let how = Options {
+            coverage,
+            shift: SURFACE_SHIFT as f32,
+            see_through: SeeThrough::Opacity,
+            ..Options::default()
+        };
+        let cells = Level::new(gpu, grid, &channels, &how)?;
         let fine = Grid { cell_size: grid.cell_size / SUBCELLS as f32, dims: grid.dims * SUBCELLS, ..grid };
         let subcells = if gathers {
-            let shift = SUBCELLS as f32 * SURFACE_SHIFT as f32;
-            let level = Level::new(gpu, fine, &[], Coverage::Thin, shift)?;
+            let how = Options {
+                coverage: Coverage::Thin,
+                shift: SUBCELLS as f32 * SURFACE_SHIFT as f32,
+                see_through: SeeThrough::Dithered,
+                ..Options::default()
+            };
+            let level = Level::new(gpu, fine, &[], &how)?;
             let bare = level.voxelizer.volume(gpu)?;
             Some((level, bare))
         } else {
@@ -187,15 +201,8 @@ struct Parts<'a> {
 }
 
 impl Level {
-    fn new(
-        gpu: &Gpu,
-        grid: Grid,
-        channels: &[Channel],
-        coverage: Coverage,
-        shift: f32,
-    ) -> Result<Self, VoxelizeError> {
-        let options = Options { coverage, shift, ..Options::default() };
-        Ok(Self { voxelizer: Voxelizer::new(gpu, grid, channels, &options)?, layers: None })
+    fn new(gpu: &Gpu, grid: Grid, channels: &[Channel], options: &Options) -> Result<Self, VoxelizeError> {
+        Ok(Self { voxelizer: Voxelizer::new(gpu, grid, channels, options)?, layers: None })
     }
 
     /// Layers take as much room as the sums that are worked in, each: those of grids that are done in several windows are not kept.

@@ -56,8 +56,14 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     }
     let gpu = info::open_gpu(&args.shot.gpu)?;
     let settings = render::settings(&args.shot, &scene, size, Layer::Direct, true);
-    let ours = ours::render(&gpu, &scene, settings, (args.points_a_side(), args.shot.iterations), &camera)
-        .with_context(|| args.shot.scene.clone())?;
+    let ours = ours::render(
+        &gpu,
+        &scene,
+        settings,
+        (ours::Pixels::Mean(args.points_a_side()), args.shot.iterations),
+        &camera,
+    )
+    .with_context(|| args.shot.scene.clone())?;
     let (pairs, masks, mut reference) = match files {
         Some(files) => {
             let (albedo, seen) = reference::albedo_and_foreground(&oracle_scene, &oracle_camera, args, size)?;

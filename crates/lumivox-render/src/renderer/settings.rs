@@ -170,7 +170,7 @@ impl Default for Settings {
             area_samples: 64,
             area_maps: 32,
             rsm_size: 512,
-            points: 512,
+            points: 1024,
             filtered_textures: true,
             occlusion: None,
             soft_shadows: None,

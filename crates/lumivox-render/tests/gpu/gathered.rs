@@ -1,14 +1,14 @@
 //! Gathered light in whole frames: closed forms, leaks, rest and motion.
 
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use libtest_mimic::Failed;
-use lumivox::core::View;
 use lumivox::gather::GatherSettings;
 use lumivox::gpu::Gpu;
 use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
 use lumivox_scene::{Camera, Light, Material, Scene, builtin};
 
 use crate::Check;
+use crate::camera::{Ray, rays};
 use crate::scenes::{Quad, add, settle, small};
 
 pub(crate) const TESTS: &[(&str, Check)] = &[
@@ -18,6 +18,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("gathered light: a frame of a still scene is like the one before", rest),
     ("gathered light: a lamp that goes out leaves no light in the picture", lamp_out),
     ("gathered light: the first frame of views has light", first_frame),
+    ("gathered light: views that have seen a box show as much light as its triangles", views_of_a_box),
     ("gathered light: turns and updates do not show in the first frame", first_frame_of_turns),
     ("gathered light: a glossy floor mirrors a glowing wall", glossy),
 ];
@@ -42,36 +43,60 @@ fn furnace(gpu: &Gpu) -> Result<(), Failed> {
     Ok(())
 }
 
-/// A black floor before a wall of radiance 2. Near the wall the mirrored view meets it, far from it the view goes over it.
+/// What a floor of the renderer's roughness mirrors of a wall with radiance 2, from a point towards an eye: half vectors about the normal
+/// by GGX's density, light weighted by its cosine.
+fn mirrored(wall: Quad, point: Vec3, towards_eye: Vec3, roughness: f32) -> f32 {
+    const RAYS: u32 = 4096;
+    let alpha_2 = roughness.powi(4);
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for ray in 0..RAYS {
+        let u = (ray as f32 + 0.5) / RAYS as f32;
+        let cos_2 = (1.0 - u) / (1.0 + (alpha_2 - 1.0) * u);
+        let (sin, cos) = (std::f32::consts::TAU * (ray as f32 * 0.618_034).fract()).sin_cos();
+        let half = (1.0 - cos_2).max(0.0).sqrt() * Vec3::new(cos, 0.0, sin) + cos_2.sqrt() * Vec3::Y;
+        let direction = 2.0 * towards_eye.dot(half) * half - towards_eye;
+        if direction.y > 0.0 {
+            let ray = Ray { origin: point, direction };
+            let meets = ray.meets(wall.corner, wall.u, wall.v).is_some_and(|(_, inside)| inside > 0.0);
+            sum += if meets { 2.0 * direction.y } else { 0.0 };
+            weights += direction.y;
+        }
+    }
+    sum / weights
+}
+
+/// A black floor before a wall of radiance 2: pixel by pixel what GGX's lobe says. Near the wall the mirrored view meets it, far from it
+/// the view goes over it.
 fn glossy(gpu: &Gpu) -> Result<(), Failed> {
     let mut scene = Scene::default();
-    add(&mut scene, Material::matte("floor", Vec3::ZERO), &[Quad::level(Vec3::ZERO, 8.0)]);
+    let (floor, wall) = (Quad::level(Vec3::ZERO, 8.0), Quad::upright(Vec3::new(0.0, 1.0, -3.0), 8.0, 2.0));
+    add(&mut scene, Material::matte("floor", Vec3::ZERO), &[floor]);
     let glowing = Material { emission: Vec3::splat(2.0), ..Material::matte("wall", Vec3::ZERO) };
-    add(&mut scene, glowing, &[Quad::upright(Vec3::new(0.0, 1.0, -3.0), 8.0, 2.0)]);
+    add(&mut scene, glowing, &[wall]);
     let camera = Camera::look("eye", Vec3::new(0.0, 1.5, 5.0), Vec3::new(0.0, 0.0, 0.5), 50.0);
     let settings = Settings { layer: Layer::Glossy, grid: 32, ..gathering(VoxelSource::Triangles) };
     let mut renderer = Renderer::new(gpu, &scene, settings)?;
     renderer.set_camera(&camera);
     settle(&mut renderer)?;
-    let (picture, size) = (renderer.read_picture()?, settings.size);
-    let view = View::perspective(
-        camera.eye,
-        camera.target,
-        camera.up,
-        camera.fov_y,
-        size.x as f32 / size.y as f32,
-        0.1,
-        50.0,
+    let (picture, mut errors, mut off) = (renderer.read_picture()?, Vec::new(), 0.0);
+    for (ray, found) in rays(&camera, settings.size).into_iter().zip(&picture) {
+        let Some((distance, inside)) = ray.meets(floor.corner, floor.u, floor.v) else { continue };
+        let point = ray.origin + distance * ray.direction;
+        // In a cell's width of the corner pixels look from above the floor.
+        if inside > 0.3 && point.z > wall.corner.z + 0.3 {
+            let expected = mirrored(wall, point, -ray.direction, settings.roughness);
+            errors.push((found.y - expected).abs());
+            off += found.y - expected;
+        }
+    }
+    errors.sort_by(f32::total_cmp);
+    let (mean, most) = (off / errors.len() as f32, errors[errors.len() * 19 / 20]);
+    eprintln!(
+        "glossy: {} pixels, off by {mean:.4} on average, 19 of 20 by less than {most:.4}",
+        errors.len()
     );
-    let at = |p: Vec3| {
-        let (uv, _) = view.uv_from_world(p).unwrap_or_default();
-        let texel = (uv * size.as_vec2()).as_uvec2().min(size - 1);
-        picture[(texel.y * size.x + texel.x) as usize].y
-    };
-    let (near, far) = (at(Vec3::new(0.0, 0.0, -2.0)), at(Vec3::new(0.0, 0.0, 2.8)));
-    eprintln!("glossy: {near} near the wall, {far} far from it");
-    assert!(near > 1.4 && near <= 2.01, "{near} near the wall");
-    assert!(far < 0.4, "{far} far from the wall");
+    assert!(errors.len() > 2000, "{} pixels", errors.len());
+    assert!(mean.abs() < 0.03 && most < 0.16, "off by {mean} on average, {most} at most");
     Ok(())
 }
 
@@ -237,5 +262,31 @@ fn first_frame(gpu: &Gpu) -> Result<(), Failed> {
         let later = mean(&renderer.read_picture()?);
         assert!(first > 0.7 * later && later > 0.01, "{voxels:?}: {first} at first, {later} later");
     }
+    Ok(())
+}
+
+/// Of one view rays get out where it has not seen the walls behind things; when others have, next to nothing is missing.
+fn views_of_a_box(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    let light = |voxels, views: usize| -> Result<f32, Failed> {
+        let settings = Settings { size: UVec2::splat(160), grid: 24, ..gathering(voxels) };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        for n in 0..views {
+            let turn = 0.9 * n as f32;
+            let eye = Vec3::new(0.8 * turn.cos(), 1.0 + 0.7 * (1.7 * turn).sin(), 0.8 * turn.sin());
+            let target = Vec3::new(-0.5 * turn.sin(), 0.4, 0.3 * turn.cos());
+            renderer.set_camera(&Camera::look("around", eye, target, 90.0));
+            renderer.frame(None)?;
+        }
+        renderer.set_camera(&scene.cameras[0]);
+        settle(&mut renderer)?;
+        Ok(mean(&renderer.read_picture()?))
+    };
+    let all = light(VoxelSource::Triangles, 0)?;
+    let [one, many] = [0, 10].map(|views| light(VoxelSource::Progressive, views).map(|l| l / all));
+    let (one, many) = (one?, many?);
+    eprintln!("views of a box: {one:.3} of the light with one, {many:.3} with 11");
+    assert!(one > 0.87 && one < 1.02, "{one} of the light with one view");
+    assert!(many > 0.95 && many < 1.02, "{many} of the light with all views");
     Ok(())
 }

@@ -21,6 +21,7 @@ mod odd;
 mod progressive;
 mod room;
 mod scenes;
+mod see_through;
 mod triangles;
 
 use std::path::PathBuf;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         moving::TESTS,
         progressive::TESTS,
         room::TESTS,
+        see_through::TESTS,
         triangles::TESTS,
     ];
     let mut trials: Vec<Trial> = tests

@@ -17,15 +17,15 @@ const PI: f32 = 3.1415927;
 // Mean radiance of the surfaces that the surfel's rays met.
 fn gathered(place: u32) -> vec3f {
     var sum = vec3f(0.0);
-    var traced = 0.0;
+    var known = 0.0;
     for (var ray = 0u; ray < settings.rays; ray++) {
         let hit = hits[place * settings.rays + ray];
-        traced += select(1.0, 0.0, hit == UNTRACED);
+        known += select(0.0, 1.0, is_known(hit));
         if hit < FIRST_SKY_HIT {
             sum += unpack_half4(before[hit].xy).rgb;
         }
     }
-    return sum / max(traced, 1.0);
+    return sum / max(known, 1.0);
 }
 
 @compute @workgroup_size(64)

@@ -42,8 +42,10 @@ fn empty_side(at: vec3i) -> i32 {
 // Follows a ray for `limit` times its direction. Origin in sub-cells. What it starts in is left first.
 fn march(origin: vec3f, direction: vec3f, limit: f32) -> March {
     let bound = SUBCELLS * vec3i(grid.dims);
-    let forward = direction > vec3f(0.0);
-    let inverse = 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+    // A ray along an axis, or along a plane as from one surfel to the next, goes forward by nothing on the others.
+    let slope = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+    let forward = slope > vec3f(0.0);
+    let inverse = 1.0 / slope;
     var result = March(REACHED_LIMIT, clamp(vec3i(floor(origin)), vec3i(0), bound - 1), 0u);
     var leaving = true;
     for (var step = 0; step < MAX_STEPS; step++) {

@@ -24,12 +24,16 @@
 //! cell; colours stay in the volume. A wall a quarter of a cell thick holds light back, and has a surfel on
 //! either side. Where nothing is known of the sub-cells, all of an occupied cell are filled.
 //!
+//! What is seen through, masks and veils, fills a part of them ([`SeeThrough::Dithered`](crate::voxelize::SeeThrough)), by chance but in each
+//! frame the same: a screen that is half open lets half of the rays through.
+//!
 //! **Light is pulled, not stored.** A surfel asks each view at some of its points what the view sees there: if that is the surfel's
 //! own surface, its radiance counts, else the point is in shadow. So a cell half in shadow has half the light, no light
 //! outlives its lamp, and no two cells mix.
 //!
 //! **Energy.** A surfel sends out its albedo's part of the mean of what its rays meet, and its rays stand for equal parts of
-//! its irradiance. So no bounce makes energy, whatever the settings, and each that is recorded adds one to the light's path.
+//! its irradiance. So no bounce makes energy, whatever the settings, and each that is recorded adds one to the light's path. A ray that
+//! meets the inside of something is left out: what it would see is taken to be like the rest.
 //!
 //! **Order.** [`record_dark`](GatheredLight::record_dark) and [`record_light`](GatheredLight::record_light) for each view in each
 //! frame; `mask` and `surfels` after the volume changed; then `trace`, bounces, `reconstruction`. Surfels that are new in a
@@ -37,7 +41,7 @@
 //! Surfels keep their place and their light from frame to frame, so that one or two bounces a frame are all bounces in time.
 //!
 //! **Motion.** A surfel that is new begins with the mean light of those around it that it can see, and goes from there to its own by three tenths
-//! a frame; one whose sub-cells or normal have changed likewise, until eight turns after. So what moves through the grid does not boil with the grain
+//! a frame, and so does one whose sub-cells have nothing in common with those that its place held before, as where a block uncovers the ground; one whose sub-cells or normal have changed likewise, until eight turns after. So what moves through the grid does not boil with the grain
 //! of each cell that it comes into, and is late by a few frames with the light that falls on it.
 //!
 //! **Turns.** Not all surfels need new light in each frame: with [`GatherSettings::frames`] above 1 they take turns, new ones at

@@ -14,13 +14,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     }
     let place = due.surfels[nth].x;
     var sum = vec3f(0.0);
-    var traced = 0.0;
+    var known = 0.0;
     for (var ray = 0u; ray < settings.rays; ray++) {
         let hit = hits[place * settings.rays + ray];
-        traced += select(1.0, 0.0, hit == UNTRACED);
+        known += select(0.0, 1.0, is_known(hit));
         if is_sky_hit(hit) {
             sum += sky[hit - FIRST_SKY_HIT].rgb;
         }
     }
-    sky_light[place] = pack_half4(vec4f(sum / max(traced, 1.0), 0.0));
+    sky_light[place] = pack_half4(vec4f(sum / max(known, 1.0), 0.0));
 }

@@ -17,6 +17,12 @@ const DARK_HIT: u32 = 0xfffffffeu;
 const UNTRACED: u32 = 0xfffffffdu;
 const SKY_SIDE: f32 = 16.0;
 
+// Whether a ray says anything: it has been traced, and met no inside of something, as rays at a grazing angle do and those that go
+// behind what views have shown from one side alone. What is not known is taken to be like the rest.
+fn is_known(hit: u32) -> bool {
+    return hit != UNTRACED && hit != DARK_HIT;
+}
+
 struct GatherUniform {
     // Rays of a surfel.
     rays: u32,

@@ -136,6 +136,11 @@ fn keep_place(side: u32, surfel: Surfel) {
     if place != NO_SURFEL {
         let before = surfels[place];
         surfels[place] = pack_surfel(surfel);
+        let face = side / 2u;
+        if all((ground(face, before.zw) & ground(face, surfel.bits)) == vec2u(0u)) {
+            begin(place);
+            return;
+        }
         let turned = dot(unpack_surfel(before).normal, surfel.normal) < STILL;
         if (turned || any(before.zw != surfel.bits)) && light[place].w >= SETTLED {
             light[place].w = MOVED;
@@ -152,9 +157,32 @@ fn keep_place(side: u32, surfel: Surfel) {
     atomicMax(&counts[2], i32(given) + 1);
     surfels[given] = pack_surfel(surfel);
     table[at] = given;
-    light[given] = vec4f(0.0);
-    // What the rays of the place's last owner met is none of the new one's.
+    begin(given);
+}
+
+// What the rays of the place's last owner met is none of the new one's.
+fn begin(place: u32) {
+    light[place] = vec4f(0.0);
     for (var ray = 0u; ray < settings.rays; ray++) {
-        hits[given * settings.rays + ray] = UNTRACED;
+        hits[place * settings.rays + ray] = UNTRACED;
+    }
+}
+
+// Where sub-cells stand, seen along their face's axis. A surface that comes forward or goes back stands where it did; one that has
+// nothing of that in common is another, such as the ground outside of a block in place of that inside.
+fn ground(face: u32, bits: vec2u) -> vec2u {
+    switch face / 2u {
+        case 0u: {
+            let pairs = bits | (bits >> vec2u(1u));
+            return (pairs | (pairs >> vec2u(2u))) & vec2u(X_LOW);
+        }
+        case 1u: {
+            let pairs = bits | (bits >> vec2u(4u));
+            return (pairs | (pairs >> vec2u(8u))) & vec2u(Y_LOW);
+        }
+        default: {
+            let pairs = bits.x | bits.y;
+            return vec2u((pairs | (pairs >> 16u)) & 0xffffu, 0u);
+        }
     }
 }

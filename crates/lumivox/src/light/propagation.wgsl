@@ -83,8 +83,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         }
         if !is_occupied(here) {
             if IN_FREE_SPACE {
-                // Radiance of two bands whose flux through each face is what came through it.
-                let arriving = vec4f(1.0 / (6.0 * SH_COS0), (0.5 / SH_COS1) * to_neighbor);
+                // Radiance of two bands whose net flux along each axis is what came through its faces.
+                let even = settings.free_space_gain / (6.0 * SH_COS0);
+                let arriving = vec4f(even, (0.5 / SH_COS1) * to_neighbor);
                 received = sh_add(received, sh_scaled(flux, arriving));
             }
             continue;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{MAX_CELL_BITS, VoxelizeError};
+use super::{MAX_CELL_BITS, SeeThrough, VoxelizeError};
 use crate::volume::{ALBEDO, ChannelFormat, EMISSION, Format, NORMAL};
 
 /// What becomes of several surfaces in one cell. None of them depends on the order of the triangles.
@@ -70,6 +70,8 @@ pub struct Channel {
     pub(crate) unit: bool,
     /// The fourth half float holds 1 in occupied cells.
     pub(crate) occupancy: bool,
+    /// Or their opacity.
+    pub(crate) opacity: bool,
     pub(crate) source: Source,
 }
 
@@ -77,7 +79,7 @@ impl Channel {
     fn new(name: &str, components: u32, source: Source) -> Self {
         let format =
             ChannelFormat { name: name.to_owned(), components, format: Format::F16, range: [0.0, 1.0] };
-        Self { format, rule: Rule::Average, unit: false, occupancy: false, source }
+        Self { format, rule: Rule::Average, unit: false, occupancy: false, opacity: false, source }
     }
 
     /// [`ALBEDO`]: linear reflectance, three half floats of four, average.
@@ -85,7 +87,8 @@ impl Channel {
         Self::new(ALBEDO, 3, Source::Albedo)
     }
 
-    /// [`NORMAL`]: mean normal in three half floats, shorter than one where surfaces disagree; average. The fourth is occupancy.
+    /// [`NORMAL`]: mean normal in three half floats, shorter than one where surfaces disagree; average. The fourth is occupancy: 1, or
+    /// with [`SeeThrough::Opacity`] and as an average how much of light it holds back.
     pub fn normal() -> Self {
         Self { occupancy: true, ..Self::new(NORMAL, 3, Source::Normal).range(-1.0, 1.0) }
     }
@@ -143,8 +146,11 @@ impl Channel {
         self
     }
 
-    /// The channel on cells whose faces have this area: the ranges that depend on it are set.
-    pub(crate) fn fitted(self, face: f32) -> Self {
+    /// The channel on cells whose faces have this area: the ranges that depend on it are set, and what its fourth number says.
+    pub(crate) fn fitted(mut self, face: f32, see_through: SeeThrough) -> Self {
+        let has_room = self.format.components == 3 && self.format.format == Format::F16;
+        let is_mean = self.occupancy && self.rule == Rule::Average;
+        self.opacity = has_room && is_mean && see_through == SeeThrough::Opacity;
         match self.source {
             Source::Area => self.range(0.0, 2.0 * face),
             _ => self,

@@ -17,7 +17,8 @@ pub struct Material {
     /// Emitted radiance in W/(m2 sr).
     pub emission: Vec3,
     /// Where the opacity is less than this, there is no surface: a triangle marks only cells in which it is at least
-    /// this at the middle of its piece. One point stands for a cell, so that holes smaller than cells come and go.
+    /// this at the middle of its piece. One point stands for a cell, so that holes smaller than cells come and go, unless
+    /// [`Options::see_through`](super::Options::see_through) asks for more.
     pub alpha_cutoff: Option<f32>,
 }
 

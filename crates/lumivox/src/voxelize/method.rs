@@ -60,6 +60,23 @@ pub enum Directions {
     One(u32),
 }
 
+/// What becomes of surfaces with an [`alpha_cutoff`](super::Material::alpha_cutoff): masks such as leaves, and veils. A surface
+/// of one opacity below its cutoff is not there, whichever is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SeeThrough {
+    /// What is below the cutoff in the middle of a piece is a hole, the rest is solid.
+    #[default]
+    Cut = 0,
+    /// A cell takes them as a veil: the fourth number of [`Channel::normal`] is their mean opacity over the area of all surfaces in
+    /// the cell, in place of 1, and surfaces without a cutoff make it 1 however small they are, so that no wall lets light through.
+    /// Opacity is that of the texture where it is as coarse as the piece: of a mask, the part that is not cut out.
+    /// Several veils in one cell count as one.
+    Opacity = 1,
+    /// A cell is marked by chance, with a number that depends on the cell alone: in cells finer than a mask its holes, in coarser ones
+    /// and in veils a pattern that lets through about the same part of light from a hemisphere.
+    Dithered = 2,
+}
+
 /// Most cells along an axis for the methods that expand triangles: of a batch of the largest there would be more corners than a draw
 /// may have.
 const MAX_EXPANDED: u32 = 4096;
@@ -75,6 +92,8 @@ pub struct Options {
     /// cell behind it; pieces of less than a ten-thousandth of a cell face then do not count, unless the whole triangle is
     /// as small. Zero, or [`SURFACE_SHIFT`](crate::progressive::SURFACE_SHIFT) for volumes that views keep up too.
     pub shift: f32,
+    /// What becomes of surfaces with a cutoff.
+    pub see_through: SeeThrough,
 }
 
 /// Refuses what a method cannot do.

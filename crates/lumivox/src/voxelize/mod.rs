@@ -67,7 +67,7 @@ pub use interleaved::Interleaved;
 pub use layer::{Layer, WindowUniform};
 pub use lights::{LightChannels, MAX_VOXEL_LIGHTS, VoxelLight, VoxelLights};
 pub use mesh::{BATCH_TRIANGLES, BatchUniform, Material, Mesh, MeshDescriptor, MeshUniform};
-pub use method::{Coverage, Directions, Method, Options};
+pub use method::{Coverage, Directions, Method, Options, SeeThrough};
 pub use views::{IndexView, VertexView};
 pub use voxelizer::Voxelizer;
 
@@ -86,18 +86,26 @@ pub(crate) fn texts() -> Vec<GeneratedText> {
     ];
     let light = [lights::any_channel()];
     let mut texts = Vec::new();
-    for channels in [&[], plain.as_slice(), mixed.as_slice(), light.as_slice()] {
+    let veiled = plain.clone().map(|c| c.fitted(1.0, SeeThrough::Opacity));
+    let kinds = [
+        (&[][..], SeeThrough::Dithered),
+        (&plain, SeeThrough::Cut),
+        (&veiled, SeeThrough::Opacity),
+        (&mixed, SeeThrough::Cut),
+        (&light, SeeThrough::Cut),
+    ];
+    for (channels, see_through) in kinds {
         let layout = Layout::new(channels);
         for coverage in [Coverage::Exact, Coverage::Thin, Coverage::Sampled] {
             for phase in [Phase::Sums, Phase::Nearest] {
-                let options = Options { coverage, shift: 0.0, ..Options::default() };
+                let options = Options { coverage, see_through, ..Options::default() };
                 for is_plain in [false, true] {
                     texts.extend(direct::texts(&layout, &options, phase, (16, is_plain)));
                 }
             }
         }
         for phase in [Phase::Sums, Phase::Nearest] {
-            let options = Options::default();
+            let options = Options { see_through, ..Options::default() };
             for is_plain in [false, true] {
                 let geometries = [slicing::geometry(None), clipping::geometry(Some(9))];
                 texts.extend(

@@ -211,7 +211,8 @@ fn lv_unit(v: vec3f) -> vec3f {
     return normalize(v / largest);
 }
 
-// The surface at a point of a triangle. Its colour's opacity is read at the finest level, so that holes stay holes.
+// The surface at a point of a triangle. Where masks are cut, its colour's opacity is read at the finest level, so that holes stay
+// holes.
 fn lv_surface_point(t: LvTriangle, piece: LvPiece, cell: u32) -> SurfacePoint {
     var s: SurfacePoint;
     let weights = lv_barycentric(t, piece.point);
@@ -244,7 +245,7 @@ fn lv_surface_point(t: LvTriangle, piece: LvPiece, cell: u32) -> SurfacePoint {
             let share = piece.area / max(lv_whole(t).area, 1e-20);
             let base_level = lv_level(vec2f(textureDimensions(base_color_texture)), uv_area * share);
             var base = textureSampleLevel(base_color_texture, material_sampler, s.uv, base_level);
-            if mesh.alpha_cutoff >= 0.0 {
+            if LV_SEE_THROUGH == LV_CUT && mesh.alpha_cutoff >= 0.0 {
                 base.a = textureSampleLevel(base_color_texture, material_sampler, s.uv, 0.0).a;
             }
             let glow_level = lv_level(vec2f(textureDimensions(emission_texture)), uv_area * share);
@@ -253,6 +254,44 @@ fn lv_surface_point(t: LvTriangle, piece: LvPiece, cell: u32) -> SurfacePoint {
         }
     }
     return s;
+}
+
+// What becomes of surfaces with a cutoff.
+const LV_CUT: u32 = 0u;
+const LV_DITHERED: u32 = 2u;
+// Less opacity than this is none: steps of light have as many.
+const LV_LEAST_OPACITY: f32 = 0.5 / 255.0;
+
+// One over the cells of a layer that light from a whole hemisphere goes through: of a layer of cells with gaps, slanted rays cross
+// more than one, 1.4 as far as what they let through is concerned.
+const LV_SLANT: f32 = 0.7;
+
+// Whether a surface is not there: all of it, where its opacity is the same everywhere, or what is cut out.
+fn lv_is_hole(s: SurfacePoint) -> bool {
+    if LV_IS_PLAIN || mesh.alpha_cutoff < 0.0 {
+        return false;
+    }
+    if LV_SEE_THROUGH == LV_CUT || !lv_mesh_has(MESH_HAS_TEXTURES) {
+        if s.color.a < mesh.alpha_cutoff {
+            return true;
+        }
+    }
+    if LV_SEE_THROUGH == LV_DITHERED {
+        return 1.0 - pow(saturate(1.0 - s.color.a), LV_SLANT) <= lv_hashed(s.cell);
+    }
+    return LV_SEE_THROUGH != LV_CUT && s.color.a <= LV_LEAST_OPACITY;
+}
+
+// The part of light that a surface holds back.
+fn lv_opacity(s: SurfacePoint) -> f32 {
+    return select(1.0, saturate(s.color.a), !LV_IS_PLAIN && mesh.alpha_cutoff >= 0.0);
+}
+
+// A number that looks random, from 0 to less than 1.
+fn lv_hashed(n: u32) -> f32 {
+    var h = n * 747796405u + 2891336453u;
+    h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+    return f32(((h >> 22u) ^ h) >> 8u) / 16777216.0;
 }
 
 // The mip level whose texels are as large as an area of texture coordinates.
@@ -279,7 +318,7 @@ fn lv_fragment(t: LvTriangle, local: vec3i) {
         return;
     }
     let s = lv_surface_point(t, piece, cell);
-    if !LV_IS_PLAIN && s.color.a < mesh.alpha_cutoff {
+    if lv_is_hole(s) {
         return;
     }
     lv_occupy(cell);

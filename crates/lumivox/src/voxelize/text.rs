@@ -25,6 +25,9 @@ pub(super) const RESOLVE_OUTPUTS: usize = 6;
 pub(super) const OUTPUT_NAMES: [&str; RESOLVE_OUTPUTS] =
     ["out_0", "out_1", "out_2", "out_3", "out_4", "out_5"];
 
+/// Words behind a channel's own where it has opacity: its sum, and whether anything is solid.
+const OPACITY_WORDS: u32 = 3;
+
 /// The two passes over the triangles; the second only where a channel's rule is [`Rule::Nearest`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
@@ -57,7 +60,7 @@ impl Layout {
         for channel in channels {
             offsets.push(words);
             let each = if matches!(channel.rule, Rule::Average | Rule::Sum) { 2 } else { 1 };
-            words += each * channel.format.components;
+            words += each * channel.format.components + if channel.opacity { OPACITY_WORDS } else { 0 };
         }
         Self { channels: channels.to_vec(), offsets, nearness, words }
     }
@@ -145,6 +148,15 @@ impl Layout {
                 };
                 let _ = writeln!(out, "        {line}");
             }
+            if channel.opacity {
+                let sum = offset + 2 * channel.format.components;
+                let _ = writeln!(
+                    out,
+                    "        let opacity = lv_opacity(s);\n        lv_add_share(at + {sum}u, weight * opacity);\n        \
+                     if opacity == 1.0 && mesh.alpha_cutoff < 0.0 {{ atomicMax(&sums[at + {}u], 1u); }}",
+                    sum + 2
+                );
+            }
             out.push_str("    }\n");
         }
         out.push_str("}\n");
@@ -229,6 +241,12 @@ impl Layout {
                     }
                 };
             }
+            if channel.opacity {
+                let sum = offset + 2 * channel.format.components;
+                let i = sum + 2;
+                let _ = writeln!(out, "    lv_merge_wide(at + {sum}u);");
+                let _ = writeln!(out, "    sums[at + {i}u] = max(sums[at + {i}u], sums_in[at + {i}u]);");
+            }
         }
         out.push_str("}\n");
         out
@@ -258,6 +276,14 @@ fn resolve_channel(channel: &Channel, offset: u32, name: &str) -> String {
     }
     if channel.occupancy && format.components == 3 && format.format == Format::F16 {
         out.push_str("        v.w = 1.0;\n");
+    }
+    if channel.opacity {
+        let sum = offset + 2 * format.components;
+        let _ = writeln!(
+            out,
+            "        if sums[at + {}u] == 0u {{ v.w = lv_wide(at + {sum}u) / weight; }}",
+            sum + 2
+        );
     }
     let words = format.words();
     match format.format {
@@ -303,6 +329,7 @@ pub(crate) fn method_text(layout: &Layout, options: &Options, phase: Phase, is_p
     }
     let _ = writeln!(head, "const LV_COVERAGE: u32 = {}u;", options.coverage as u32);
     let _ = writeln!(head, "const LV_SHIFT: f32 = {:?};", options.shift);
+    let _ = writeln!(head, "const LV_SEE_THROUGH: u32 = {}u;", options.see_through as u32);
     let _ = writeln!(head, "const LV_IS_PLAIN: bool = {is_plain};");
     let _ = writeln!(head, "const LV_IS_BARE: bool = {};", layout.channels.is_empty());
     let accumulate = layout.accumulate(phase);

@@ -70,7 +70,7 @@ impl Voxelizer {
         let layers = layers.clamp(1, grid.dims.z);
         let slab = Grid { dims: grid.dims.with_z(layers), ..grid };
         let face = grid.cell_size * grid.cell_size;
-        let channels = channels.iter().map(|c| c.clone().fitted(face));
+        let channels = channels.iter().map(|c| c.clone().fitted(face, options.see_through));
         let channels: Vec<Channel> = channels.collect();
         super::channel::check(&channels)?;
         method::check(&grid, &channels, options)?;

@@ -11,7 +11,8 @@ struct PropagationUniform {
     lobe_ratio: f32,
     // Albedo of all surfaces after the first bounce; below zero where the stored one counts.
     bounce_albedo: f32,
-    reserved_0: f32,
+    // What light that is the same from all sides is multiplied by in free space.
+    free_space_gain: f32,
     reserved_1: f32,
     reserved_2: f32,
 }

@@ -19,7 +19,7 @@ use crate::{Labs, Test};
 pub(crate) const TESTS: &[Test] = &[
     ("lpv: a patch's virtual point lights have its flux", injected),
     ("lpv: flux is conserved until it leaves the grid", conserved),
-    ("lpv: a facing wall gets light by its form factor, within a factor", facing),
+    ("lpv: a facing wall gets the light that diffuses to it", facing),
     ("lpv: without light it is dark", dark),
     ("lpv: light is linear, and the same every time", linear),
     ("lpv: blockers darken what is behind them", blocked),
@@ -176,7 +176,8 @@ fn conserved(labs: &Labs) -> Result<(), Failed> {
 }
 
 /// Light diffuses: after the usual two steps for each cell of a side it has reached a wall nearby and not yet one far away, and
-/// in the end all walls have too much, since what goes through one comes back.
+/// in the end all walls have too much, since what goes through one comes back. How much has no closed form; the numbers are those
+/// of the method as its papers give it, and a baseline must not drift.
 fn facing(labs: &Labs) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
     let lamp = at_wall(gpu, (30.0, 8.0), 24.0, square)?;
@@ -185,21 +186,24 @@ fn facing(labs: &Labs) -> Result<(), Failed> {
     let distances = [3.0, 6.0, 10.0, 16.0];
     let receivers = distances.map(|d| at_wall(gpu, (9.0, 8.0 + d), 1.0, unlit));
     let own = at_wall(gpu, (30.0, 8.0), 1.0, unlit)?;
-    for (steps, usual) in [(64, true), (936, false)] {
+    let parts = [(64, [1.135, 0.724, 0.289, 0.028], 0.959), (936, [1.564, 1.482, 1.441, 1.189], 1.245)];
+    for (steps, expected, expected_own) in parts {
         room.go_on(gpu, steps)?;
-        for (distance, receiver) in distances.into_iter().zip(&receivers) {
+        for ((distance, receiver), expected) in distances.into_iter().zip(&receivers).zip(expected) {
             let seen = receiver.as_ref().map_err(|e| e.to_string())?;
             let share = 4.0 * closed_form::element_below_corner(4.0, 4.0, f64::from(distance));
             let ratio = room.irradiance(gpu, seen)? / (2.0 * PI * share);
             eprintln!("{steps} steps more, {distance} cells away: {ratio:.3} of the form factor");
-            if !usual || distance < 10.0 {
-                assert!(ratio > 0.6 && ratio < 1.7, "{ratio} of the form factor at {distance}");
-            }
+            // Half floats, and what drivers make of the views.
+            assert!(
+                (ratio - expected).abs() < 0.01,
+                "{ratio} of the form factor at {distance}, not {expected}"
+            );
         }
         // In truth the lit wall sees nothing that is lit. It sends out 2 pi W/m2.
         let own = room.irradiance(gpu, &own)? / (2.0 * PI);
         eprintln!("{steps} steps more: the wall lights itself with {own:.3} of what it sends out");
-        assert!(own < 1.35, "the wall lights itself with {own}");
+        assert!((own - expected_own).abs() < 0.01, "the wall lights itself with {own}, not {expected_own}");
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use super::cases::Case;
 use crate::args::Size;
 use crate::compare::measure::{self, Comparison, Masks, Pair, traced_pairs};
 use crate::compare::oracle_scene;
-use crate::compare::ours::{self, Ours};
+use crate::compare::ours::{self, Ours, Pixels};
 use crate::compare::reference::{self, Budget};
 use crate::motion::Motion;
 use crate::{lighting, render};
@@ -77,7 +77,17 @@ impl Stage {
 
     /// Settles the light, `steps` of propagation at a time, or as many as the settings say if that is 0.
     pub(super) fn measure(&self, gpu: &Gpu, settings: Settings, steps: u32) -> Result<Measured> {
-        let ours = ours::render(gpu, &self.scene, settings, (1, steps), &self.camera)?;
+        self.measure_in(gpu, settings, (Pixels::Mean(1), steps))
+    }
+
+    /// As [`measure`](Self::measure), of pixels that come of a finer picture.
+    pub(super) fn measure_in(
+        &self,
+        gpu: &Gpu,
+        settings: Settings,
+        (pixels, steps): (Pixels, u32),
+    ) -> Result<Measured> {
+        let ours = ours::render(gpu, &self.scene, settings, (pixels, steps), &self.camera)?;
         let pair = self.pair(&ours)?;
         let is_light = |stage: &str| {
             let of_method = ["gather/", "light/", "lpv/"].iter().any(|method| stage.starts_with(method));

@@ -48,7 +48,7 @@ fn lv_sweep_fragment(t: LvTriangle, local: vec3i, cell: u32, point: vec3f) {
     }
     let piece = LvPiece(point, abs(t.normal.z) / max(length(t.normal), 1e-30));
     let s = lv_surface_point(t, piece, cell);
-    if !LV_IS_PLAIN && s.color.a < mesh.alpha_cutoff {
+    if lv_is_hole(s) {
         return;
     }
     lv_occupy(cell);
