@@ -110,7 +110,7 @@ pub(crate) struct ShotArgs {
     /// Where voxels come from. Stills take triangles unless said otherwise, series progressive.
     #[arg(long, value_enum)]
     pub(crate) voxelizer: Option<VoxelizerArg>,
-    /// When a view proves a voxel empty, with --voxelizer progressive.
+    /// When a view proves a voxel empty, with --voxelizer progressive or single-pass.
     #[arg(long, value_enum, default_value = "footprint")]
     pub(crate) cleanup: CleanupArg,
     /// Indirect light.

@@ -59,7 +59,7 @@ pub struct Settings {
     pub grid: u32,
     /// Where the volume comes from.
     pub voxels: VoxelSource,
-    /// When a view proves a cell empty, with [`VoxelSource::Progressive`].
+    /// When a view proves a cell empty, with [`VoxelSource::Progressive`] and [`VoxelSource::SinglePass`].
     pub cleanup: CleanupRule,
     /// How indirect light is found.
     pub gi: GiMethod,

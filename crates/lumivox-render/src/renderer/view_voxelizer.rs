@@ -31,7 +31,7 @@ impl ViewVoxelizer {
         rule: CleanupRule,
     ) -> Result<Self, GpuError> {
         Ok(match source {
-            VoxelSource::SinglePass => Self::SinglePass(Box::new(SinglePass::new(gpu, volume)?)),
+            VoxelSource::SinglePass => Self::SinglePass(Box::new(SinglePass::with_rule(gpu, volume, rule)?)),
             _ => Self::TwoPhase { progressive: Box::new(Progressive::with_rule(gpu, volume, rule)?), source },
         })
     }

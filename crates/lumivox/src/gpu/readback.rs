@@ -11,7 +11,7 @@ pub fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T
     Ok(bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()]))
 }
 
-/// The rows of a texture (first mip level, top row first) without padding, as values of `T`, one per texel.
+/// The rows of a texture (first mip level, top row first, of a 3D texture slice by slice) without padding, as values of `T`, one per texel.
 ///
 /// # Errors
 /// When `T` does not have the size of a texel of the texture's format.
@@ -26,7 +26,11 @@ pub fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &Texture) -> Result<Ve
     let [width, height] = texture.size();
     let row = width * texel;
     let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let staging = staging(gpu, u64::from(padded_row) * u64::from(height));
+    let slices = match texture.raw.dimension() {
+        wgpu::TextureDimension::D3 => texture.raw.depth_or_array_layers(),
+        _ => 1,
+    };
+    let staging = staging(gpu, u64::from(padded_row) * u64::from(height) * u64::from(slices));
     let mut encoder = encoder(gpu);
     encoder.copy_texture_to_buffer(
         texture.raw.as_image_copy(),
@@ -35,10 +39,10 @@ pub fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &Texture) -> Result<Ve
             layout: wgpu::TexelCopyBufferLayout {
                 offset: 0,
                 bytes_per_row: Some(padded_row),
-                rows_per_image: None,
+                rows_per_image: Some(height),
             },
         },
-        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        wgpu::Extent3d { width, height, depth_or_array_layers: slices },
     );
     let bytes = submit_and_map(gpu, encoder, &staging, "a texture")?;
     let rows = bytes.chunks_exact(padded_row as usize);

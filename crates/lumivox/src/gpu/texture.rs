@@ -2,7 +2,7 @@
 
 use super::{Gpu, GpuError};
 
-/// A 2D texture with its default view. Its identity never repeats on a device; clones are the same texture.
+/// A texture with its default view, of two dimensions unless said otherwise. Its identity never repeats on a device; clones are the same texture.
 #[derive(Clone, Debug)]
 pub struct Texture {
     pub(super) id: u64,
@@ -43,6 +43,34 @@ impl Texture {
             dimension: wgpu::TextureDimension::D2,
             format: options.format,
             usage: options.usage | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        Ok(Self::from_raw(gpu, raw))
+    }
+
+    /// A 3D texture of one level, or an error when a side exceeds the device's limit.
+    pub fn volume(
+        gpu: &Gpu,
+        label: &str,
+        [width, height, depth]: [u32; 3],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> Result<Self, GpuError> {
+        let limit = gpu.device.limits().max_texture_dimension_3d;
+        if [width, height, depth].iter().any(|side| *side == 0 || *side > limit) {
+            let reason = format!(
+                "{label}: a texture of {width} x {height} x {depth} texels; 1 to {limit} a side are possible"
+            );
+            return Err(GpuError::Validation(reason));
+        }
+        let raw = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: depth },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format,
+            usage: usage | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         Ok(Self::from_raw(gpu, raw))

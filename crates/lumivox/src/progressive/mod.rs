@@ -21,8 +21,11 @@
 //!
 //! **Limits.** Extents stay fixed while a volume lives. Stale cells that no view sees stay (6.6).
 
+mod attribute_view;
 mod bricks;
+mod channel;
 mod cleanup;
+mod dense;
 mod injection;
 mod light_injection;
 mod light_resolve;
@@ -37,11 +40,13 @@ use glam::Vec4;
 use crate::gpu::{Buffer, GeneratedText, Gpu, GpuError, Shader};
 use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid, half4};
 
+pub use attribute_view::AttributeView;
 pub use bricks::{
-    AttributeChannel, AttributeKind, AttributeView, BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics,
-    ProgressiveVoxelizer, VoxelizerSettings,
+    BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics, ProgressiveVoxelizer, VoxelizerSettings,
 };
+pub use channel::{AttributeChannel, AttributeKind};
 pub use cleanup::CleanupRule;
+pub use dense::{DenseVoxelizer, Storage};
 pub use injection::SURFACE_SHIFT;
 pub use light_injection::LIGHT_SUM_WORDS;
 pub use points::{InjectionGrid, InjectionPattern};
@@ -267,9 +272,9 @@ fn no_light() -> GpuError {
     GpuError::Binding { pass: light_injection::SHADER.name, reason }
 }
 
-/// The texts that volumes of bricks make of some sets of channels.
+/// The texts that volumes make of some sets of channels.
 pub(crate) fn texts() -> Vec<GeneratedText> {
-    bricks::texts()
+    [bricks::texts(), dense::texts()].concat()
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
@@ -282,7 +287,8 @@ pub(crate) fn shaders() -> Vec<Shader> {
         light_injection::SHADER,
         light_resolve::SHADER,
         resolve::SHADER,
-        single_pass::SHADER,
+        single_pass::BY_CENTER,
+        single_pass::BY_FOOTPRINT,
     ];
     [others, of_bricks].concat()
 }

@@ -10,10 +10,13 @@
 //! | `z - b <= p <= z + b`, and the texel shows a surface | written with the attributes and the light of the texel |
 //! | else | kept |
 //!
+//! By the rules [`Footprint`](CleanupRule::Footprint) and [`Rays`](CleanupRule::Rays) the first line asks for the whole cell, as in
+//! cleanup, and what lies before the surface at its centre alone is kept. The papers have the first line as it is here.
+//!
 //! The surface is moved [`SURFACE_SHIFT`] of a cell against its normal first, so that one on a cell boundary belongs to the cell
 //! behind its visible side here too. Centres outside the view's frustum are kept, texels on which nothing was drawn show
-//! the far plane. Views run one after another, each in its own ping-pong turn, so where two see a cell the later one has the
-//! last word.
+//! the far plane. Views run one after another, so where two see a cell the later one has the last word. A cell reads and writes
+//! itself alone, in place.
 //!
 //! **One sample per cell and view**, its centre, as in the papers: the cost is one read of each picture per cell, whatever
 //! the size of the pictures, and what a cell holds is what one texel shows. What that costs is told at [`SinglePass`].
@@ -22,12 +25,25 @@ use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::{VolumeBuffer, check_grid};
 use crate::wgsl::{GRID, PACK, SH, VIEW, VISIBILITY, linear_groups};
 
+use super::cleanup::{FOOTPRINT, by_rays};
 use super::light_resolve::Replace;
-use super::{DirectLight, SURFACE_SHIFT, ViewInput};
+use super::nearest::NearestDepth;
+use super::{CleanupRule, DirectLight, SURFACE_SHIFT, ViewInput};
 
-pub(super) const SHADER: Shader = Shader {
-    name: "progressive/single_pass",
-    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, include_str!("single_pass.wgsl")],
+const PASS: &str = include_str!("single_pass.wgsl");
+/// The rules' texts: `is_cleared`, of a cell whose centre lies so far behind the surface, and of so much reach.
+const IF_CENTER: &str = "override SURFACE_SHIFT: f32;
+fn is_cleared(cell: vec3u, behind: f32, reach: f32) -> bool { return behind < -reach; }";
+const IF_WHOLE: &str =
+    "fn is_cleared(cell: vec3u, behind: f32, reach: f32) -> bool { return proven_empty(cell); }";
+
+pub(super) const BY_CENTER: Shader = Shader {
+    name: "progressive/single_pass by center",
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, IF_CENTER, PASS],
+};
+pub(super) const BY_FOOTPRINT: Shader = Shader {
+    name: "progressive/single_pass by footprint",
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, FOOTPRINT, IF_WHOLE, PASS],
 };
 
 /// The single-pass form of progressive voxelization (6.2.3), for volumes of one grid: used in place of
@@ -56,24 +72,39 @@ pub(super) const SHADER: Shader = Shader {
 pub struct SinglePass {
     add: ComputePass,
     replace: ComputePass,
+    nearest: Option<NearestDepth>,
     decided: Buffer,
 }
 
 impl SinglePass {
-    /// Compiles the stage.
+    /// Compiles the stage, with the default rule.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] when the light of the grid's cells does not fit the device: 177 cells a side on the core tier.
     pub fn new(gpu: &Gpu, volume: &VolumeBuffer) -> Result<Self, GpuError> {
+        Self::with_rule(gpu, volume, CleanupRule::default())
+    }
+
+    /// As [`Self::new`], with a rule of cleanup.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_rule(gpu: &Gpu, volume: &VolumeBuffer, rule: CleanupRule) -> Result<Self, GpuError> {
         check_grid(gpu, "the direct light of a volume", volume.grid(), DirectLight::CELL_BYTES)?;
+        let is_by_center = rule == CleanupRule::Center;
         let pass = |replace: Replace| {
-            let constants = [("SURFACE_SHIFT", SURFACE_SHIFT), ("ADDS", replace.adds())];
-            ComputePass::new(gpu, &SHADER, &constants)
+            let constants = [("SURFACE_SHIFT", SURFACE_SHIFT), ("ADDS", replace.adds()), by_rays(rule)];
+            if is_by_center {
+                ComputePass::new(gpu, &BY_CENTER, &constants[..2])
+            } else {
+                ComputePass::new(gpu, &BY_FOOTPRINT, &constants)
+            }
         };
         let bytes = volume.grid().cell_count() * size_of::<u32>() as u64;
         Ok(Self {
             add: pass(Replace::No),
             replace: pass(Replace::Yes),
+            nearest: (!is_by_center).then(|| NearestDepth::new(gpu)),
             decided: Buffer::storage(gpu, "single pass/decided", bytes)?,
         })
     }
@@ -94,9 +125,10 @@ impl SinglePass {
         volume: &mut VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Self { add, decided, .. } = self;
+        let Self { add, nearest, decided, .. } = self;
         encoder.clear_buffer(&decided.raw, 0, None);
-        views.into_iter().try_for_each(|view| record(add, gpu, encoder, view, volume, (light, decided)))
+        let mut views = views.into_iter();
+        views.try_for_each(|view| record((add, nearest), gpu, encoder, view, volume, (light, decided)))
     }
 
     /// The camera, after all lights: where a cell is written, the texel's light takes the place of the lights' sum.
@@ -108,14 +140,14 @@ impl SinglePass {
         volume: &mut VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Self { replace, decided, .. } = self;
+        let Self { replace, nearest, decided, .. } = self;
         encoder.clear_buffer(&decided.raw, 0, None);
-        record(replace, gpu, encoder, view, volume, (light, decided))
+        record((replace, nearest), gpu, encoder, view, volume, (light, decided))
     }
 }
 
 fn record(
-    pass: &ComputePass,
+    (pass, nearest): (&ComputePass, &mut Option<NearestDepth>),
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     view: &ViewInput,
@@ -123,11 +155,13 @@ fn record(
     (light, decided): (&mut DirectLight, &mut Buffer),
 ) -> Result<(), GpuError> {
     let groups = linear_groups(volume.grid().cell_count() as u32);
-    let (grid, mut channels) = volume.ping_pong();
+    let (grid, mut channels) = volume.current_mut();
     let [normal, albedo, emission] = channels.as_mut_slice() else {
-        return Err(super::resolve::wrong_channels(SHADER.name));
+        return Err(super::resolve::wrong_channels(pass.name()));
     };
-    let bindings = Bindings::new()
+    let from = (&view.uniform, &view.textures.depth);
+    let levels = nearest.as_mut().map(|n| n.record(gpu, encoder, from)).transpose()?;
+    let mut bindings = Bindings::new()
         .read("grid", grid)
         .read("view", &view.uniform)
         .read("depth", &view.textures.depth)
@@ -135,15 +169,13 @@ fn record(
         .read("albedo", &view.textures.albedo)
         .read("emission", &view.textures.emission)
         .read("radiance", &view.textures.radiance)
-        .read("normal_in", normal.0)
-        .read("albedo_in", albedo.0)
-        .read("emission_in", emission.0)
-        .write("normal_out", normal.1)
-        .write("albedo_out", albedo.1)
-        .write("emission_out", emission.1)
+        .write("cell_normal", normal)
+        .write("cell_albedo", albedo)
+        .write("cell_emission", emission)
         .write("light", &mut light.sh)
         .write("decided", decided);
-    pass.record(gpu, encoder, &bindings, groups)?;
-    volume.swap();
-    Ok(())
+    if let Some(levels) = levels {
+        bindings = bindings.read("levels", levels);
+    }
+    pass.record(gpu, encoder, &bindings, groups)
 }

@@ -1,22 +1,20 @@
 //! Volumes of bricks: the same cells as cleanup and injection over all cells make, and what these do not have.
 
 use libtest_mimic::Failed;
-use lumivox::core::{Bounds, HostVolume, View};
+use lumivox::core::{Bounds, View};
 use lumivox::glam::{IVec3, UVec2, Vec2, Vec3};
 use lumivox::gpu::{Gpu, GpuError};
 use lumivox::progressive::{
-    AttributeChannel, AttributeKind, AttributeView, CHANNELS, CleanupRule, FrameDiagnostics,
-    ProgressiveVoxelizer, VoxelizerSettings,
+    AttributeChannel, AttributeKind, AttributeView, CHANNELS, FrameDiagnostics, ProgressiveVoxelizer,
+    VoxelizerSettings,
 };
 
 use crate::picture::Thing;
 use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
-use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
-use crate::support::{SCALE, Shot, World, channel, run};
+use crate::support::{SCALE, Shot, run};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("bricks: frames of random views are those of the dense form, cell by cell", equal_to_dense),
     ("bricks: what happened in a frame is counted", counted),
     ("bricks: views that only clean clean", cleaning_views),
     ("bricks: cleanup looks only into boxes where there are some", boxes),
@@ -70,55 +68,6 @@ pub(crate) fn frame(
     shots: &[&Shot],
 ) -> Result<FrameDiagnostics, Failed> {
     frame_of(gpu, volume, shots, shots.len(), &[])
-}
-
-fn count(volume: &HostVolume) -> usize {
-    channel(volume, CHANNELS[0]).iter().filter(|v| v.w > 0.0).count()
-}
-
-/// Six frames of one to three random views each, by either rule.
-fn equal_to_dense(labs: &Labs) -> Result<(), Failed> {
-    let gpu = &labs.core.gpu;
-    let shots: Vec<_> = RANDOM_SEEDS
-        .chain(ODD_SEEDS)
-        .map(|seed| random_shot(gpu, &grid(), seed))
-        .collect::<Result<_, _>>()?;
-    for rule in [CleanupRule::Center, CleanupRule::Footprint, CleanupRule::Rays] {
-        let (mut compared, mut cleaned) = (0, 0);
-        for (number, run) in shots.chunks_exact(12).step_by(2).enumerate() {
-            let mut dense = World::new(&labs.core, grid())?;
-            let mut bricks = voxelizer(gpu, VoxelizerSettings { cleanup: rule, ..settings() })?;
-            let groups: [&[usize]; 6] = [&[0], &[1, 2], &[3, 4, 5], &[6], &[7, 8, 9], &[10, 11]];
-            for (step, group) in groups.iter().enumerate() {
-                let views: Vec<&Shot> = group.iter().map(|n| &run[*n].1).collect();
-                for view in &views {
-                    dense.clean_by(gpu, rule, view)?;
-                }
-                dense.inject(gpu, &views, None)?;
-                let happened = frame(gpu, &mut bricks, &views)?;
-                let (ours, other) = (bricks.read_back(gpu)?, dense.read(gpu)?);
-                for name in CHANNELS {
-                    let (ours, other) = (channel(&ours, name), channel(&other, name));
-                    for (index, (one, other)) in ours.iter().zip(other).enumerate() {
-                        let cell = grid().cell(index);
-                        let same = one.truncate() == other.truncate();
-                        let occupied = name != CHANNELS[0] || one.w == other.w;
-                        assert!(
-                            same && occupied,
-                            "{rule:?}, run {number}, frame {step}, {cell}: {name} is {one}, dense {other}"
-                        );
-                    }
-                }
-                assert_eq!(happened.occupied as usize, count(&other));
-                assert_eq!(happened.refused, 0);
-                compared += count(&other);
-                cleaned += happened.cleaned;
-            }
-        }
-        eprintln!("bricks, {rule:?}: {compared} occupied cells are the dense form's, {cleaned} were cleaned");
-        assert!(compared > 10_000 && cleaned > 500, "the views show too little");
-    }
-    Ok(())
 }
 
 fn counted(labs: &Labs) -> Result<(), Failed> {

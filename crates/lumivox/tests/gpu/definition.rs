@@ -3,7 +3,7 @@
 
 use lumivox::core::{Grid, Projection, View};
 use lumivox::glam::{DVec2, DVec3, DVec4, IVec3, UVec2, UVec3};
-use lumivox::progressive::{InjectionPattern, SURFACE_SHIFT};
+use lumivox::progressive::{CleanupRule, InjectionPattern, SURFACE_SHIFT};
 
 use crate::picture::{lifted, ndc_of_texel, ray};
 use crate::support::{SCALE, Shot};
@@ -185,8 +185,8 @@ pub(crate) enum Verdict {
     Written(usize),
 }
 
-/// None when the verdict is too close to call.
-pub(crate) fn verdict(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<Verdict> {
+/// By a rule of cleanup; none when the verdict is too close to call.
+pub(crate) fn verdict(rule: CleanupRule, shot: &Shot, grid: &Grid, cell: UVec3) -> Option<Verdict> {
     let (texel, behind) = match seen(shot, grid, cell) {
         Seen::Unsure => return None,
         Seen::Outside => return Some(Verdict::NotSeen),
@@ -198,12 +198,19 @@ pub(crate) fn verdict(shot: &Shot, grid: &Grid, cell: UVec3) -> Option<Verdict> 
     let moved = normal.map_or(0.0, |n| SURFACE_SHIFT * cell_size * -n.dot(shot.view.forward().as_dvec3()));
     let (behind, reach) = (behind - moved, reach(&shot.view, grid));
     let close = |threshold: f64| (behind - threshold).abs() < CLOSE * cell_size;
-    if close(-reach) || (normal.is_some() && close(reach)) {
+    let is_cleared = match rule {
+        CleanupRule::Center => (!close(-reach)).then_some(behind < -reach),
+        CleanupRule::Footprint => proven_empty_whole(shot, grid, cell),
+        CleanupRule::Rays => proven_empty_by_rays(shot, grid, cell),
+    }?;
+    if is_cleared {
+        return Some(Verdict::Cleared);
+    }
+    if normal.is_some() && (close(reach) || close(-reach)) {
         return None;
     }
     Some(match normal {
-        _ if behind < -reach => Verdict::Cleared,
-        Some(_) if behind <= reach => Verdict::Written(texel),
+        Some(_) if behind.abs() <= reach => Verdict::Written(texel),
         _ => Verdict::Kept,
     })
 }

@@ -11,6 +11,7 @@ mod contract;
 mod definition;
 mod energy;
 mod flow;
+mod forms;
 mod gather;
 mod gather_proof;
 mod gather_turns;
@@ -70,6 +71,7 @@ fn main() -> ExitCode {
         light::TESTS,
         energy::TESTS,
         flow::TESTS,
+        forms::TESTS,
         gather::TESTS,
         gather_views::TESTS,
         gather_proof::TESTS,

@@ -4,18 +4,22 @@ use libtest_mimic::Failed;
 use lumivox::core::{Grid, HostVolume, View};
 use lumivox::glam::{DVec3, DVec4, UVec2, UVec3, Vec2, Vec3, Vec4};
 use lumivox::gpu::Gpu;
-use lumivox::progressive::CHANNELS;
+use lumivox::progressive::{CHANNELS, CleanupRule, SinglePass};
 use lumivox::volume::NORMAL;
 
 use crate::definition::{Verdict, sample, verdict};
 use crate::picture::{Paint, Shape, Thing};
 use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
 use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
-use crate::support::{Shot, World, channel, is_mean};
+use crate::support::{Shot, World, channel, is_mean, run};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
     ("single pass: by random views it is its definition, as a light and as the camera", random_views),
+    (
+        "single pass: by footprint and by rays it clears what they clear, and writes what it wrote",
+        by_whole_cells,
+    ),
     ("single pass: the views of a point light count once, on their borders too", point_light),
     ("single pass: frames of a still scene change nothing after the first", still_scene),
     ("single pass: a removed object vanishes when its place is seen", removed_object),
@@ -67,9 +71,19 @@ impl State {
     }
 }
 
-/// Each view in a volume with random contents; first as a light, then as the camera.
 fn random_views(labs: &Labs) -> Result<(), Failed> {
+    is_defined(labs, CleanupRule::Center)
+}
+
+fn by_whole_cells(labs: &Labs) -> Result<(), Failed> {
+    is_defined(labs, CleanupRule::Footprint)?;
+    is_defined(labs, CleanupRule::Rays)
+}
+
+/// Each view in a volume with random contents; first as a light, then as the camera.
+fn is_defined(labs: &Labs, rule: CleanupRule) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
+    let mut single = SinglePass::with_rule(gpu, &World::new(&labs.core, grid())?.volume, rule)?;
     let mut all = [0; 5];
     for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
         let (name, shot) = random_shot(gpu, &grid(), seed)?;
@@ -77,14 +91,15 @@ fn random_views(labs: &Labs) -> Result<(), Failed> {
             let mut world = World::new(&labs.core, grid())?;
             world.scatter(gpu, seed)?;
             let before = State::of(gpu, &world)?;
-            world.single_pass(gpu, |single, e, volume, light| match keep {
+            let World { volume, light, .. } = &mut world;
+            run(gpu, |e| match keep {
                 1.0 => single.record_light(gpu, e, [&shot.input], volume, light),
                 _ => single.record_camera(gpu, e, &shot.input, volume, light),
             })?;
             let after = State::of(gpu, &world)?;
             let mut counts = [0; 5];
             for (index, cell) in grid().cells().enumerate() {
-                let verdict = verdict(&shot, &grid(), cell);
+                let verdict = verdict(rule, &shot, &grid(), cell);
                 counts[match verdict {
                     Some(Verdict::NotSeen) => 0,
                     Some(Verdict::Kept) => 1,
@@ -94,10 +109,10 @@ fn random_views(labs: &Labs) -> Result<(), Failed> {
                 }] += 1;
                 if let Some(verdict) = verdict {
                     let right = after.follows(&before, &shot, index, verdict, keep);
-                    assert!(right, "{name}, as {role}, {cell} should be {verdict:?}");
+                    assert!(right, "{rule:?}, {name}, as {role}, {cell} should be {verdict:?}");
                 }
             }
-            eprintln!("single pass, {name}, as {role}: {counts:?}");
+            eprintln!("single pass, {rule:?}, {name}, as {role}: {counts:?}");
             all = std::array::from_fn(|i| all[i] + counts[i]);
         }
     }

@@ -24,6 +24,7 @@ pub(crate) struct Stages {
     pub(crate) by_center: Progressive,
     pub(crate) by_rays: Progressive,
     pub(crate) light: IndirectLight,
+    /// By the papers' rule.
     pub(crate) single: SinglePass,
 }
 
@@ -50,7 +51,7 @@ impl Lab {
             by_center: Progressive::with_rule(&self.gpu, volume, CleanupRule::Center)?,
             by_rays: Progressive::with_rule(&self.gpu, volume, CleanupRule::Rays)?,
             light: IndirectLight::new(&self.gpu, volume)?,
-            single: SinglePass::new(&self.gpu, volume)?,
+            single: SinglePass::with_rule(&self.gpu, volume, CleanupRule::Center)?,
         }));
         made.push((dims, stages.clone()));
         Ok(stages)

@@ -1,4 +1,4 @@
-//! Table 6.1 (dissertation: Table 8), Figures 6.8, 73 and 74, and cost against grids, triangles and bytes.
+//! Table 6.1 (dissertation: Table 8), and cost against grids, triangles and bytes.
 
 use anyhow::Result;
 use glam::{UVec2, Vec3};
@@ -6,8 +6,9 @@ use lumivox::core::{Grid, View};
 use lumivox::progressive::{AttributeChannel, AttributeKind, CleanupRule};
 use lumivox::voxelize::{Coverage, Options, Voxelizer};
 
-use super::forms::{Dense, measure_bricks, single_pass};
+use super::forms::{Dense, measure_bricks};
 use super::rig::{Rig, orbit, three_channels};
+use super::storage;
 use crate::bench::models::{Subject, ball};
 use crate::bench::plot::{Plot, Series};
 use crate::bench::report::{Report, Row, ms};
@@ -29,7 +30,7 @@ pub(super) fn run(
         report.write()?;
     }
     if let Some(hall) = others.iter().find(|s| s.name == "Sponza" || s.name == "builtin:atrium") {
-        figure_6_8(timer, hall, quick, report)?;
+        storage::figure_6_8(timer, hall, quick, report)?;
         report.write()?;
     }
     let of_table: Vec<_> =
@@ -39,12 +40,19 @@ pub(super) fn run(
     triangles(timer, quick, report)
 }
 
-fn row(figure: &'static str, case: String, metric: &str, value: f64, unit: &'static str, note: &str) -> Row {
+pub(super) fn row(
+    figure: &'static str,
+    case: String,
+    metric: &str,
+    value: f64,
+    unit: &'static str,
+    note: &str,
+) -> Row {
     Row { figure, case, metric: metric.to_owned(), value, unit, paper: None, note: note.to_owned() }
 }
 
 /// A view that shows most of a model, from within where it is a building.
-fn view_of(subject: &Subject) -> View {
+pub(super) fn view_of(subject: &Subject) -> View {
     if subject.name == "Sponza" {
         let (eye, target) = (Vec3::new(-11.0, 1.8, 0.6), Vec3::new(6.0, 4.2, -1.2));
         return View::perspective(eye, target, Vec3::Y, 1.05, 1.0, 0.1, 60.0).with_reversed_depth();
@@ -137,79 +145,6 @@ fn grids(timer: &Timer<'_>, subject: &Subject, quick: bool, report: &mut Report)
     let series = series.map(|(name, points)| Series { name: name.to_owned(), points }).to_vec();
     let title = format!("{}: cleanup and injection", subject.name);
     report.plot("grid", &Plot { title, x: "cells along the longest side", y: "milliseconds", series })
-}
-
-/// Cleanup and injection against the grid's side and the number of points.
-fn figure_6_8(timer: &Timer<'_>, subject: &Subject, quick: bool, report: &mut Report) -> Result<()> {
-    report.head("Figures 6.8, 73 and 74: cleanup and injection");
-    let sides: &[u32] = if quick { &[32, 64] } else { &[32, 64, 96, 128] };
-    let size = UVec2::splat(512);
-    report.say(&format!(
-        "{}, one view of {} x {} texels from within; milliseconds. Cleanup of the dense form by either rule, with the pyramid of depths that \
-         footprint needs; injection of fixed numbers of points, of two for each cell along the grid's side, and of all texels, with the sums \
-         cleared and made means; all in one by the single pass, with light; and a frame in bricks with two points a cell, with one channel \
-         and with four. Sums and volumes lie in packed buffers: there are no 3D textures or unwrapped ones to compare.",
-        subject.title(),
-        size.x,
-        size.y
-    ));
-    let mut rig = Rig::new(timer.gpu, &subject.scene, size)?;
-    rig.look(timer.gpu, view_of(subject));
-    let mut series: Vec<Series> = Vec::new();
-    let mut lines = Vec::new();
-    let mut header = vec!["cells".to_owned()];
-    for &side in sides {
-        let grid = subject.grid(side)?;
-        let proportional = UVec2::splat(2 * side).min(size);
-        let mut found: Vec<(String, f64)> = Vec::new();
-        let mut dense = |points: UVec2, rule| Dense::measure(timer, &mut rig, grid, points, rule, &[]);
-        found.push(("cleanup, center".to_owned(), dense(proportional, CleanupRule::Center)?.cleanup));
-        let by_footprint = dense(proportional, CleanupRule::Footprint)?;
-        found.push(("cleanup, footprint".to_owned(), by_footprint.cleanup));
-        for (name, points) in [("64 x 64", UVec2::splat(64)), ("128 x 128", UVec2::splat(128)), ("all", size)]
-        {
-            let of_points = dense(points, CleanupRule::Center)?;
-            found.push((format!("injection, {name}"), of_points.injection + of_points.rest));
-        }
-        found.push(("injection, 2 a cell".to_owned(), by_footprint.injection + by_footprint.rest));
-        found.push(("total, 2 a cell".to_owned(), by_footprint.total()));
-        found.push(("single pass".to_owned(), single_pass(timer, &rig, grid)?));
-        let one = [AttributeChannel::new("normal", AttributeKind::Normal)];
-        let four: Vec<_> = three_channels()
-            .into_iter()
-            .chain([AttributeChannel::new("albedo again", AttributeKind::Color(1.0))])
-            .collect();
-        for (name, channels) in [("bricks, 1 channel", &one[..]), ("bricks, 4 channels", &four)] {
-            let rule = CleanupRule::Footprint;
-            found.push((
-                name.to_owned(),
-                measure_bricks(timer, &mut rig, grid, channels, proportional, rule, &[])?.0,
-            ));
-        }
-        let mut line = vec![side.to_string()];
-        for (n, (name, value)) in found.into_iter().enumerate() {
-            line.push(ms(value));
-            report.push(row("Figure 6.8", format!("{}, {side}", subject.name), &name, value, "ms", ""));
-            if series.len() <= n {
-                header.push(name.clone());
-                series.push(Series { name, points: Vec::new() });
-            }
-            series[n].points.push((f64::from(side), value));
-        }
-        lines.push(line);
-    }
-    report.table(&header, &lines);
-    let shown = [
-        "cleanup, footprint",
-        "injection, 64 x 64",
-        "injection, 2 a cell",
-        "injection, all",
-        "single pass",
-        "bricks, 1 channel",
-    ];
-    let series = series.into_iter().filter(|s| shown.contains(&s.name.as_str())).collect();
-    let title = format!("Figure 6.8: {}", subject.name);
-    report.plot("figure-6-8", &Plot { title, x: "cells along the longest side", y: "milliseconds", series })
 }
 
 /// What Table 8 prints of its scenes at 128 cells: VoxelPipe, geometry slicing, G-buffers and progressive voxelization.

@@ -6,7 +6,8 @@ use lumivox::VolumeBuffer;
 use lumivox::core::{Grid, View};
 use lumivox::gpu::Gpu;
 use lumivox::progressive::{
-    AttributeChannel, CHANNELS, CleanupRule, FrameDiagnostics, Progressive, SinglePass, ViewInput,
+    AttributeChannel, CHANNELS, CleanupRule, DenseVoxelizer, FrameDiagnostics, Progressive, SinglePass,
+    Storage, ViewInput,
 };
 
 use super::rig::{Bricks, Rig};
@@ -92,6 +93,26 @@ fn input(gpu: &Gpu, rig: &Rig, points: UVec2) -> ViewInput {
     input
 }
 
+/// Milliseconds of cleanup and of injection with any channels over all cells, in a storage.
+pub(super) fn measure_storage(
+    timer: &Timer<'_>,
+    rig: &mut Rig,
+    grid: Grid,
+    channels: &[AttributeChannel],
+    points: UVec2,
+    storage: Storage,
+) -> Result<[f64; 2]> {
+    let gpu = timer.gpu;
+    let mut dense = DenseVoxelizer::new(gpu, grid, channels, storage, CleanupRule::Center)?;
+    let view = rig.attribute_view(gpu, channels, points);
+    view.update(gpu, &rig.camera.view, view.point_count(), 0);
+    rig.draw(timer)?;
+    timer.submit(|e| dense.record(gpu, e, &[&view]))?;
+    let cleanup = timer.median(|| timer.submit(|e| dense.record_cleanup(gpu, e, &view)))?.ms;
+    let injection = timer.median(|| timer.submit(|e| dense.record_injection(gpu, e, &[&view])))?.ms;
+    Ok([cleanup, injection])
+}
+
 /// Milliseconds of a frame in bricks, after views that fill them, and what it did.
 pub(super) fn measure_bricks(
     timer: &Timer<'_>,
@@ -116,11 +137,11 @@ pub(super) fn measure_bricks(
 }
 
 /// Milliseconds of a frame of the single pass, with light.
-pub(super) fn single_pass(timer: &Timer<'_>, rig: &Rig, grid: Grid) -> Result<f64> {
+pub(super) fn single_pass(timer: &Timer<'_>, rig: &Rig, grid: Grid, rule: CleanupRule) -> Result<f64> {
     let gpu = timer.gpu;
     let mut volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
     let mut light = Progressive::direct_light(gpu, &volume)?;
-    let mut single = SinglePass::new(gpu, &volume)?;
+    let mut single = SinglePass::with_rule(gpu, &volume, rule)?;
     let time = timer.median(|| {
         timer.submit(|e| {
             single.record_begin(e, &mut light);

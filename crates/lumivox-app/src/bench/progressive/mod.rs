@@ -8,6 +8,7 @@ mod forms;
 mod quality;
 mod rig;
 mod scenes;
+mod storage;
 
 use anyhow::Result;
 

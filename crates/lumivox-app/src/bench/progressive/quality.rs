@@ -204,9 +204,14 @@ fn forms(gpu: &Gpu, rig: &Rig, grid: Grid, size: UVec2) -> Result<Vec<Run>> {
         runs.push(run(name, Form::Bricks(Box::new(bricks))));
     }
     if grid.dims.max_element() <= 128 {
-        let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
-        let single = (SinglePass::new(gpu, &volume)?, Progressive::direct_light(gpu, &volume)?);
-        runs.push(run("single pass", Form::SinglePass(Box::new((single.0, volume, single.1)))));
+        for (name, rule) in
+            [("single pass", CleanupRule::Center), ("single pass, footprint", CleanupRule::Footprint)]
+        {
+            let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
+            let single = SinglePass::with_rule(gpu, &volume, rule)?;
+            let light = Progressive::direct_light(gpu, &volume)?;
+            runs.push(run(name, Form::SinglePass(Box::new((single, volume, light)))));
+        }
     }
     Ok(runs)
 }

@@ -60,6 +60,21 @@ impl Rig {
         self.pass.record(gpu, encoder, &self.scene, None, &mut self.camera)
     }
 
+    /// Its pictures as those of some channels: albedo and emission in turn.
+    pub(super) fn attribute_view(
+        &self,
+        gpu: &Gpu,
+        channels: &[AttributeChannel],
+        points: UVec2,
+    ) -> AttributeView {
+        let input = &self.camera.input.textures;
+        let pictures = [&input.albedo, &input.emission, &input.albedo, &input.emission];
+        let count = channels.iter().filter(|c| c.kind != AttributeKind::Normal).count();
+        let pictures = pictures.into_iter().take(count).cloned().collect();
+        let (depth, normal) = (input.depth.clone(), input.normal.clone());
+        AttributeView::new(gpu, "bench", depth, normal, pictures, points)
+    }
+
     /// Draws the picture.
     pub(super) fn draw(&mut self, timer: &Timer<'_>) -> Result<()> {
         timer.submit(|e| self.record(timer.gpu, e))
@@ -131,12 +146,7 @@ impl Bricks {
             cleanup,
             ..VoxelizerSettings::default()
         };
-        let input = &rig.camera.input.textures;
-        let pictures = [&input.albedo, &input.emission, &input.albedo, &input.emission];
-        let count = channels.iter().filter(|c| c.kind != AttributeKind::Normal).count();
-        let pictures = pictures.into_iter().take(count).cloned().collect();
-        let (depth, normal) = (input.depth.clone(), input.normal.clone());
-        let view = AttributeView::new(gpu, "bench", depth, normal, pictures, points);
+        let view = rig.attribute_view(gpu, channels, points);
         let voxelizer = ProgressiveVoxelizer::new(gpu, grid, channels, settings)?;
         Ok(Self { points: view.point_count(), voxelizer, view, other: None, grid, settings })
     }

@@ -12,14 +12,6 @@
 
 override SURFACE_SHIFT: f32;
 
-fn add(at: u32, value: vec4f, largest: f32) {
-    let fixed = vec4i(round(clamp(value, vec4f(-largest), vec4f(largest)) * (view.unit_steps / largest)));
-    atomicAdd(&sums[at], fixed.x);
-    atomicAdd(&sums[at + 1u], fixed.y);
-    atomicAdd(&sums[at + 2u], fixed.z);
-    atomicAdd(&sums[at + 3u], fixed.w);
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let point = surface_point(grid, view, depth, normal, linear_id(id, workgroups), SURFACE_SHIFT);

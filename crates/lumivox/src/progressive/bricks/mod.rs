@@ -16,11 +16,9 @@
 //!
 //! A frame is [`ProgressiveVoxelizer::update`], [`AttributeView::update`] of each view, and [`ProgressiveVoxelizer::record`].
 
-mod channel;
 mod passes;
 mod readback;
 mod store;
-mod view;
 
 use glam::{IVec3, UVec3, Vec3};
 use lumivox_core::{Bounds, Grid};
@@ -28,14 +26,13 @@ use lumivox_core::{Bounds, Grid};
 use crate::gpu::{Buffer, GeneratedText, Gpu, GpuError, Shader};
 use crate::wgsl::GridUniform;
 
-use super::CleanupRule;
+use super::channel::{self, AttributeChannel};
+use super::{AttributeView, CleanupRule};
 use passes::Passes;
 use store::Store;
 
-pub use channel::{AttributeChannel, AttributeKind};
 pub use readback::{BrickCell, FrameDiagnostics};
 pub use store::BRICK_SIDE;
-pub use view::AttributeView;
 
 crate::gpu_struct! {
     /// The window and the settings of a frame as shaders see them.
@@ -130,10 +127,7 @@ impl ProgressiveVoxelizer {
         channels: &[AttributeChannel],
         settings: VoxelizerSettings,
     ) -> Result<Self, GpuError> {
-        if channels.is_empty() || channels.len() > channel::MOST_CHANNELS {
-            let reason = format!("a volume of bricks has 1 to 8 channels, not {}", channels.len());
-            return Err(GpuError::Validation(reason));
-        }
+        channel::check(channels)?;
         let settings = VoxelizerSettings {
             bricks: settings.bricks.max(1),
             bricks_in_view: settings.bricks_in_view.max(1),
@@ -283,8 +277,5 @@ pub(crate) fn shaders() -> Vec<Shader> {
 
 /// The texts of some sets of channels.
 pub(crate) fn texts() -> Vec<GeneratedText> {
-    let one = [AttributeChannel::new("normal", AttributeKind::Normal)];
-    let kinds = [AttributeKind::Signed(4.0), AttributeKind::Normal, AttributeKind::Color(1.0)];
-    let eight: Vec<_> = (0..8).map(|n| AttributeChannel::new("any", kinds[n % 3])).collect();
-    [&one[..], &eight[..]].into_iter().flat_map(|c| [passes::add_text(c), passes::resolve_text(c)]).collect()
+    channel::examples().iter().flat_map(|c| [passes::add_text(c), passes::resolve_text(c)]).collect()
 }

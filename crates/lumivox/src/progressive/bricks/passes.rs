@@ -10,14 +10,13 @@
 //! | `plan` | nothing | sizes of the dispatches, three times |
 
 use crate::gpu::{Bindings, ComputePass, GeneratedText, Gpu, GpuError, Shader};
+use crate::progressive::channel::{self, ADD, AttributeChannel, MEAN, PICTURES};
 use crate::progressive::cleanup::{CENTER, FOOTPRINT, by_rays};
 use crate::progressive::nearest::NearestDepth;
-use crate::progressive::{CleanupRule, SURFACE_SHIFT};
+use crate::progressive::{AttributeView, CleanupRule, SURFACE_SHIFT};
 use crate::wgsl::{GRID, PACK, POINT, VIEW, VISIBILITY, linear_groups};
 
-use super::channel::{self, AttributeChannel, PICTURES};
 use super::store::Store;
-use super::view::AttributeView;
 
 const BRICK: &str = include_str!("brick.wgsl");
 const BOXES: &str = include_str!("boxes.wgsl");
@@ -36,14 +35,14 @@ pub(super) const MARK: Shader =
 /// The text of `add` for these channels.
 pub(super) fn add_text(channels: &[AttributeChannel]) -> GeneratedText {
     let (sizes, pictures) = (channel::sizes_text(channels), channel::pictures_text(channels));
-    let parts = [GRID, VIEW, POINT, BRICK, &sizes, include_str!("add.wgsl"), &pictures];
+    let parts = [GRID, VIEW, POINT, BRICK, &sizes, ADD, include_str!("add.wgsl"), &pictures];
     GeneratedText { name: "bricks/add", source: parts.join("\n") }
 }
 
 /// The text of `resolve` for these channels.
 pub(super) fn resolve_text(channels: &[AttributeChannel]) -> GeneratedText {
     let sizes = channel::sizes_text(channels);
-    let parts = [VIEW, PACK, BRICK, &sizes, include_str!("resolve.wgsl")];
+    let parts = [VIEW, PACK, BRICK, &sizes, MEAN, include_str!("resolve.wgsl")];
     GeneratedText { name: "bricks/resolve", source: parts.join("\n") }
 }
 

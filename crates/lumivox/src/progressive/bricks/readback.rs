@@ -5,6 +5,7 @@ use half::f16;
 use lumivox_core::HostVolume;
 
 use crate::gpu::{Gpu, GpuError, read_buffer};
+use crate::progressive::channel::sum_words;
 
 use super::ProgressiveVoxelizer;
 use super::store::{BRICK_CELLS, BRICK_SIDE, HEADER};
@@ -144,7 +145,7 @@ impl ProgressiveVoxelizer {
     fn traffic(&self, bricks: u32, touched: u32, injected: u32, kept: u32) -> u64 {
         let [bricks, touched, injected, kept] = [bricks, touched, injected, kept].map(u64::from);
         let (views, channels) = (u64::from(self.cleaned_by), self.channels.len() as u64);
-        let sum_bytes = 4 * super::channel::sum_words(&self.channels);
+        let sum_bytes = 4 * sum_words(&self.channels);
         // Slot and header, and the next list.
         let keep = bricks * (4 + 20 + 4) + if self.settings.max_age > 0 { 4 * kept } else { 0 };
         // Slot, bits and number of each brick.

@@ -11,11 +11,6 @@
 
 const MOST_FRAMES: u32 = 255u;
 
-fn mean(at: u32, count: f32, largest: f32) -> vec4f {
-    let sum = vec4i(sums[at], sums[at + 1u], sums[at + 2u], sums[at + 3u]);
-    return vec4f(sum) / (count * (view.unit_steps / largest));
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) number: u32) {
     let place = group.x + groups.x * group.y;

@@ -14,9 +14,9 @@ use glam::{UVec3, Vec4};
 use lumivox_core::Bounds;
 
 use crate::gpu::{Buffer, Gpu, GpuError, Uniform};
+use crate::progressive::channel::{AttributeChannel, sum_words};
 use crate::wgsl::GridUniform;
 
-use super::channel::{AttributeChannel, sum_words};
 use super::{BrickUniform, VoxelizerSettings};
 
 /// Cells along a side of a brick, and in it.

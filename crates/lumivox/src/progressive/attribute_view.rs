@@ -1,4 +1,4 @@
-//! What a view brings to a volume of bricks.
+//! What a view brings to a volume of any channels.
 
 use glam::UVec2;
 use lumivox_core::View;

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::gpu::GpuError;
+
 /// What a channel takes from a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AttributeKind {
@@ -13,7 +15,7 @@ pub enum AttributeKind {
     Signed(f32),
 }
 
-/// A channel of a volume of bricks: means of four numbers over the points that fell into a cell.
+/// A channel of a volume: means of four numbers over the points that fell into a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttributeChannel {
     /// Its name.
@@ -53,6 +55,27 @@ pub(super) const PICTURES: [&str; MOST_CHANNELS] =
 /// Words of a cell's sums: four for each channel, and a count.
 pub(super) fn sum_words(channels: &[AttributeChannel]) -> u64 {
     4 * channels.len() as u64 + 1
+}
+
+/// What adds to a cell's sums, and what makes means of them.
+pub(super) const ADD: &str = include_str!("add_value.wgsl");
+pub(super) const MEAN: &str = include_str!("mean_value.wgsl");
+
+/// Refuses too few or too many.
+pub(super) fn check(channels: &[AttributeChannel]) -> Result<(), GpuError> {
+    if channels.is_empty() || channels.len() > MOST_CHANNELS {
+        let reason = format!("a volume has 1 to {MOST_CHANNELS} channels, not {}", channels.len());
+        return Err(GpuError::Validation(reason));
+    }
+    Ok(())
+}
+
+/// Some sets of channels, for checks of the texts that they turn into.
+pub(super) fn examples() -> Vec<Vec<AttributeChannel>> {
+    let one = AttributeChannel::new("normal", AttributeKind::Normal);
+    let kinds = [AttributeKind::Signed(4.0), AttributeKind::Normal, AttributeKind::Color(1.0)];
+    let others = (0..7).map(|n| AttributeChannel::new("any", kinds[n % 3]));
+    vec![vec![one.clone()], [one].into_iter().chain(others).collect()]
 }
 
 /// How many channels there are, and how large they are.
