@@ -116,6 +116,7 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<wgsl::ViewUniform>(),
         entry::<light::PropagationUniform>(),
         entry::<progressive::BrickUniform>(),
+        entry::<progressive::StaticUniform>(),
         entry::<voxelize::MeshUniform>(),
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),

@@ -42,7 +42,8 @@ use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid, half4};
 
 pub use attribute_view::AttributeView;
 pub use bricks::{
-    BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics, ProgressiveVoxelizer, VoxelizerSettings,
+    BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics, ProgressiveVoxelizer, StaticUniform,
+    VoxelizerSettings,
 };
 pub use channel::{AttributeChannel, AttributeKind};
 pub use cleanup::CleanupRule;

@@ -31,6 +31,7 @@ mod shadow_volumes;
 mod single_pass;
 mod slicemap;
 mod slicemap_use;
+mod statics;
 mod support;
 mod visibility;
 mod voxelize;
@@ -86,6 +87,7 @@ fn main() -> ExitCode {
         refraction::TESTS,
         refraction_shading::TESTS,
         slicemap_use::TESTS,
+        statics::TESTS,
     ]
     .concat();
     let trials = tests

@@ -23,11 +23,16 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if entry < FIRST_SLOT {
         return;
     }
-    let place = headers[HEADER * (entry - FIRST_SLOT) + AT_SUMS];
+    let header = HEADER * (entry - FIRST_SLOT);
+    let number = cell_in_brick(cell);
+    if (headers[header + AT_PINNED + number / 32u] >> (number % 32u) & 1u) == 1u {
+        return;
+    }
+    let place = headers[header + AT_SUMS];
     if place == NO_SUMS {
         return;
     }
-    let at = SUM_WORDS * (BRICK_CELLS * place + cell_in_brick(cell));
+    let at = SUM_WORDS * (BRICK_CELLS * place + number);
     add_attributes(at, point.texel, point.normal);
     atomicAdd(&sums[at + SUM_WORDS - 1u], 1);
 }

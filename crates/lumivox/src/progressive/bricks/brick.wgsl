@@ -27,14 +27,16 @@ const BRICK_SIDE: u32 = 4u;
 const BRICK_CELLS: u32 = 64u;
 
 // Words of a header.
-const HEADER: u32 = 8u;
-// The brick's number along each axis, as signed numbers. The rest is zero while a slot is free, but for old frames.
+const HEADER: u32 = 9u;
+// The brick's number along each axis, as signed numbers. Bits are zero while a slot is free.
 const AT_BRICK: u32 = 0u;
 // A bit for each of its cells.
 const AT_BITS: u32 = 3u;
 // The last frame that a point fell into it, and the place of its sums in that frame.
 const AT_TOUCHED: u32 = 5u;
 const AT_SUMS: u32 = 6u;
+// A bit for each cell of what stands still.
+const AT_PINNED: u32 = 7u;
 const NO_SUMS: u32 = 0xffffffffu;
 
 // Entries of the table: nothing, being made, or 2 more than a slot.
@@ -54,6 +56,7 @@ const DIED: u32 = 8u;
 const ENTERED: u32 = 9u;
 const LEFT: u32 = 10u;
 const REFUSED: u32 = 11u;
+const PINNED: u32 = 12u;
 
 // Of a cell: when a view last showed it, and above these bits in how many frames some did.
 const FRAME_BITS: u32 = 24u;

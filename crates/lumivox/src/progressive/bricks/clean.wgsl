@@ -30,7 +30,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let header = HEADER * slot;
     let bit = 1u << (number % 32u);
     let word = header + AT_BITS + number / 32u;
-    if (atomicLoad(&headers[word]) & bit) == 0u {
+    let pinned = atomicLoad(&headers[header + AT_PINNED + number / 32u]);
+    if (atomicLoad(&headers[word]) & ~pinned & bit) == 0u {
         return;
     }
     let brick = vec3i(

@@ -39,9 +39,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     let within = number - bricks.first;
     let is_inside = all(within >= vec3i(0)) && all(within < vec3i(bricks.dims));
     var bits = vec2u(headers[header + AT_BITS], headers[header + AT_BITS + 1u]);
+    let pinned = vec2u(headers[header + AT_PINNED], headers[header + AT_PINNED + 1u]);
     let side = f32(BRICK_SIDE) * grid.cell_size;
     if is_inside && bricks.max_age > 0u && may_change(grid.origin + side * vec3f(within), side) {
-        let dead = vec2u(too_old(slot, 0u, bits.x), too_old(slot, 1u, bits.y));
+        let mortal = bits & ~pinned;
+        let dead = vec2u(too_old(slot, 0u, mortal.x), too_old(slot, 1u, mortal.y));
         bits &= ~dead;
         headers[header + AT_BITS] = bits.x;
         headers[header + AT_BITS + 1u] = bits.y;
@@ -50,11 +52,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     let occupied = countOneBits(bits.x) + countOneBits(bits.y);
     if is_inside && occupied > 0u {
         atomicAdd(&counters[OCCUPIED], occupied);
+        atomicAdd(&counters[PINNED], countOneBits(pinned.x) + countOneBits(pinned.y));
         lists[list_start(bricks, bricks.side) + atomicAdd(&counters[LISTED + bricks.side], 1u)] = slot;
         return;
     }
     headers[header + AT_BITS] = 0u;
     headers[header + AT_BITS + 1u] = 0u;
+    headers[header + AT_PINNED] = 0u;
+    headers[header + AT_PINNED + 1u] = 0u;
     let at = wrapped(number, bricks.dims);
     table[at.x + bricks.dims.x * (at.y + bricks.dims.y * at.z)] = NO_BRICK;
     lists[free_start(bricks) + atomicAdd(&counters[FREE], 1u)] = slot;

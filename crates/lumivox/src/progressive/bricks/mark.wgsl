@@ -13,22 +13,9 @@
 
 override SURFACE_SHIFT: f32;
 
-// A slot for a brick that has none; NO_BRICK where there is no room.
-fn new_slot(brick: vec3u) -> u32 {
-    let left = bitcast<i32>(atomicSub(&counters[FREE], 1u));
-    if left <= 0 {
-        atomicAdd(&counters[FREE], 1u);
-        return NO_BRICK;
-    }
-    let slot = lists[free_start(bricks) + u32(left) - 1u];
-    let header = HEADER * slot;
-    let number = bricks.first + vec3i(brick);
-    for (var axis = 0u; axis < 3u; axis++) {
-        atomicStore(&headers[header + axis], bitcast<u32>(number[axis]));
-    }
-    lists[list_start(bricks, bricks.side) + atomicAdd(&counters[LISTED + bricks.side], 1u)] = slot;
-    atomicAdd(&counters[ENTERED], 1u);
-    return slot + FIRST_SLOT;
+fn is_pinned(slot: u32, number: u32) -> bool {
+    let word = atomicLoad(&headers[HEADER * slot + AT_PINNED + number / 32u]);
+    return (word >> (number % 32u) & 1u) == 1u;
 }
 
 fn touch(slot: u32) {
@@ -52,13 +39,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     if !point.exists {
         return;
     }
-    let brick = cell_from_index(grid, point.cell_index) / BRICK_SIDE;
+    let cell = cell_from_index(grid, point.cell_index);
+    let brick = cell / BRICK_SIDE;
     let at = table_index(bricks, brick);
     var entry = atomicLoad(&table[at]);
     if entry == NO_BRICK {
         entry = atomicMax(&table[at], PENDING);
         if entry == NO_BRICK {
-            entry = new_slot(brick);
+            entry = new_slot(brick, bricks.side);
             atomicStore(&table[at], entry);
             if entry == NO_BRICK {
                 atomicAdd(&counters[REFUSED], 1u);
@@ -66,7 +54,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         }
     }
     // Of a brick that is being made, its maker does that.
-    if entry >= FIRST_SLOT {
+    if entry >= FIRST_SLOT && !is_pinned(entry - FIRST_SLOT, cell_in_brick(cell)) {
         touch(entry - FIRST_SLOT);
     }
 }

@@ -9,6 +9,7 @@
 //! - any channels, up to eight of four numbers ([`AttributeChannel`]);
 //! - views that only clean ([`AttributeView::cleaning`]);
 //! - cleanup within boxes that something moved in, and of a share of all bricks in each frame;
+//! - cells of what stands still, made once of triangles, which no view clears ([`ProgressiveVoxelizer::record_static`]);
 //! - cells that views have shown in few frames and not for long die ([`VoxelizerSettings::max_age`]);
 //! - a window that follows the viewer in whole bricks: the table is addressed modulo the window's size, so what stays in the
 //!   window stays in place and only what enters begins empty ([`ProgressiveVoxelizer::follow`]);
@@ -18,6 +19,7 @@
 
 mod passes;
 mod readback;
+mod statics;
 mod store;
 
 use glam::{IVec3, UVec3, Vec3};
@@ -29,9 +31,11 @@ use crate::wgsl::GridUniform;
 use super::channel::{self, AttributeChannel};
 use super::{AttributeView, CleanupRule};
 use passes::Passes;
+use statics::Statics;
 use store::Store;
 
 pub use readback::{BrickCell, FrameDiagnostics};
+pub use statics::StaticUniform;
 pub use store::BRICK_SIDE;
 
 crate::gpu_struct! {
@@ -67,7 +71,7 @@ crate::gpu_struct! {
 /// How a volume of bricks is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelizerSettings {
-    /// Bricks that there is room for: 300 bytes each, and 512 more for each channel. A surface across a grid of `n` cells a side takes
+    /// Bricks that there is room for: 304 bytes each, and 512 more for each channel. A surface across a grid of `n` cells a side takes
     /// some `n^2 / 10` of them for each of its sides that faces an axis.
     pub bricks: u32,
     /// Bricks that all views of a frame together may show: 256 bytes each, and 1024 more for each channel.
@@ -113,6 +117,8 @@ pub struct ProgressiveVoxelizer {
     /// Views that cleaned in the last frame.
     cleaned_by: u32,
     passes: Passes,
+    /// Made when something stands still.
+    statics: Option<Statics>,
     store: Store,
 }
 
@@ -145,6 +151,7 @@ impl ProgressiveVoxelizer {
             recorded: true,
             cleaned_by: 0,
             passes: Passes::new(gpu, channels, settings.cleanup)?,
+            statics: None,
             store: Store::new(gpu, brick_dims(&grid), channels, &settings)?,
         })
     }
@@ -272,7 +279,15 @@ fn brick_dims(grid: &Grid) -> UVec3 {
 }
 
 pub(crate) fn shaders() -> Vec<Shader> {
-    vec![passes::PLAN, passes::KEEP, passes::CLEAN_BY_CENTER, passes::CLEAN_BY_FOOTPRINT, passes::MARK]
+    vec![
+        statics::PIN,
+        statics::PIN_VALUES,
+        passes::PLAN,
+        passes::KEEP,
+        passes::CLEAN_BY_CENTER,
+        passes::CLEAN_BY_FOOTPRINT,
+        passes::MARK,
+    ]
 }
 
 /// The texts of some sets of channels.

@@ -16,9 +16,10 @@ use crate::progressive::nearest::NearestDepth;
 use crate::progressive::{AttributeView, CleanupRule, SURFACE_SHIFT};
 use crate::wgsl::{GRID, PACK, POINT, VIEW, VISIBILITY, linear_groups};
 
+use super::statics::SLOTS;
 use super::store::Store;
 
-const BRICK: &str = include_str!("brick.wgsl");
+pub(super) const BRICK: &str = include_str!("brick.wgsl");
 const BOXES: &str = include_str!("boxes.wgsl");
 
 pub(super) const PLAN: Shader = Shader { name: "bricks/plan", parts: &[BRICK, include_str!("plan.wgsl")] };
@@ -30,7 +31,7 @@ pub(super) const CLEAN_BY_CENTER: Shader =
 pub(super) const CLEAN_BY_FOOTPRINT: Shader =
     Shader { name: "bricks/clean by footprint", parts: &[GRID, VIEW, BRICK, BOXES, FOOTPRINT, CLEAN] };
 pub(super) const MARK: Shader =
-    Shader { name: "bricks/mark", parts: &[GRID, VIEW, POINT, BRICK, include_str!("mark.wgsl")] };
+    Shader { name: "bricks/mark", parts: &[GRID, VIEW, POINT, BRICK, SLOTS, include_str!("mark.wgsl")] };
 
 /// The text of `add` for these channels.
 pub(super) fn add_text(channels: &[AttributeChannel]) -> GeneratedText {

@@ -21,6 +21,15 @@ pub struct BrickCell {
     pub age: u32,
     /// In how many frames one did, up to 255.
     pub frames: u32,
+    /// Whether it is one of what stands still; ages of such cells begin with [`ProgressiveVoxelizer::record_static`].
+    pub is_static: bool,
+}
+
+/// Where an occupied cell stands, in the world and among the cells of all slots.
+struct Place {
+    cell: IVec3,
+    index: usize,
+    is_static: bool,
 }
 
 /// What the last recorded frame did.
@@ -28,6 +37,8 @@ pub struct BrickCell {
 pub struct FrameDiagnostics {
     /// Cells that hold a surface.
     pub occupied: u32,
+    /// Those of them that belong to what stands still.
+    pub pinned: u32,
     /// Cells that points fell into.
     pub injected: u32,
     /// Those of them that were empty before.
@@ -54,13 +65,14 @@ impl ProgressiveVoxelizer {
     /// What the last recorded frame did. Waits.
     pub fn diagnostics(&self, gpu: &Gpu, milliseconds: Option<f64>) -> Result<FrameDiagnostics, GpuError> {
         let counters: Vec<u32> = read_buffer(gpu, &self.store.counters)?;
-        let [.., kept, injected, new, cleaned, died, entered, left, refused] = counters[..12] else {
+        let [.., kept, injected, new, cleaned, died, entered, left, refused, pinned] = counters[..13] else {
             return Ok(FrameDiagnostics::default());
         };
         let (side, touched) = (self.side() as usize, counters[3].min(self.settings.bricks_in_view));
         let bricks = counters[side];
         Ok(FrameDiagnostics {
             occupied: kept + new - cleaned,
+            pinned,
             injected,
             new,
             cleaned,
@@ -76,7 +88,7 @@ impl ProgressiveVoxelizer {
 
     /// The numbers of the occupied cells, as [`BrickCell::cell`], in no order. Waits.
     pub fn read_occupied(&self, gpu: &Gpu) -> Result<Vec<IVec3>, GpuError> {
-        Ok(self.read_places(gpu)?.into_iter().map(|(cell, _)| cell).collect())
+        Ok(self.read_places(gpu)?.into_iter().map(|place| place.cell).collect())
     }
 
     /// The occupied cells with their values, in no order. Waits.
@@ -84,8 +96,9 @@ impl ProgressiveVoxelizer {
         let values: Vec<[f16; 4]> = read_buffer(gpu, &self.store.values)?;
         let shown: Vec<u32> = read_buffer(gpu, &self.store.shown)?;
         let channels = self.channels.len();
-        let cell = |(cell, index): (IVec3, usize)| BrickCell {
+        let cell = |Place { cell, index, is_static }: Place| BrickCell {
             cell,
+            is_static,
             values: values[index * channels..(index + 1) * channels]
                 .iter()
                 .map(|v| Vec4::from_array(v.map(f16::to_f32)))
@@ -96,8 +109,8 @@ impl ProgressiveVoxelizer {
         Ok(self.read_places(gpu)?.into_iter().map(cell).collect())
     }
 
-    /// The occupied cells, and where they stand among the cells of all slots.
-    fn read_places(&self, gpu: &Gpu) -> Result<Vec<(IVec3, usize)>, GpuError> {
+    /// The occupied cells.
+    fn read_places(&self, gpu: &Gpu) -> Result<Vec<Place>, GpuError> {
         let counters: Vec<u32> = read_buffer(gpu, &self.store.counters)?;
         let lists: Vec<u32> = read_buffer(gpu, &self.store.lists)?;
         let headers: Vec<u32> = read_buffer(gpu, &self.store.headers)?;
@@ -108,12 +121,14 @@ impl ProgressiveVoxelizer {
             let header = &headers[slot * HEADER..(slot + 1) * HEADER];
             let corner = IVec3::from_array([0, 1, 2].map(|axis| header[axis] as i32 * BRICK_SIDE as i32));
             for number in 0..BRICK_CELLS as u32 {
-                if header[3 + number as usize / 32] >> (number % 32) & 1 == 0 {
+                let has = |word: usize| header[word + number as usize / 32] >> (number % 32) & 1 == 1;
+                if !has(3) {
                     continue;
                 }
                 let place = UVec3::new(number, number / BRICK_SIDE, number / (BRICK_SIDE * BRICK_SIDE));
                 let cell = corner + (place % BRICK_SIDE).as_ivec3();
-                places.push((cell, slot * BRICK_CELLS as usize + number as usize));
+                let index = slot * BRICK_CELLS as usize + number as usize;
+                places.push(Place { cell, index, is_static: has(7) });
             }
         }
         Ok(places)

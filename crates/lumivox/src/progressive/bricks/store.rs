@@ -3,7 +3,7 @@
 //! | buffer | holds |
 //! | --- | --- |
 //! | table | for each brick of the window its slot, or that it has none; 4 bytes a brick, by its number modulo the window's size |
-//! | headers | for each slot the brick's number, a bit for each of its cells, and its last frame; 32 bytes |
+//! | headers | for each slot the brick's number, a bit for each of its cells, another for those of what stands still, and its last frame; 36 bytes |
 //! | lists | slots: occupied bricks of this and of the last frame, free ones, those touched in this frame |
 //! | counters | how many of each, and what happened in this frame |
 //! | values | for each cell of each slot the channels, 8 bytes each |
@@ -23,7 +23,7 @@ use super::{BrickUniform, VoxelizerSettings};
 pub const BRICK_SIDE: u32 = 4;
 pub(super) const BRICK_CELLS: u64 = 64;
 /// Words of a header, and counters.
-pub(super) const HEADER: usize = 8;
+pub(super) const HEADER: usize = 9;
 pub(super) const COUNTERS: u64 = 16;
 /// The most boxes that cleanup is restricted to; more become one around all.
 pub(super) const MOST_BOXES: usize = 64;
