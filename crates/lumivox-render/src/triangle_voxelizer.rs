@@ -120,6 +120,13 @@ impl TriangleVoxelizer {
         })
     }
 
+    /// Tells which instances of the scene will move, before they do.
+    pub fn set_moving(&mut self, moving: &[bool]) {
+        for (placed, moves) in self.meshes.iter_mut().take(self.first_panel).zip(moving) {
+            placed.moves |= moves;
+        }
+    }
+
     /// Moves the scene's instances; vertices are the scene's own on the GPU, and move with it.
     pub fn set_pose(&mut self, gpu: &Gpu, pose: &Pose) {
         let panels = self.first_panel;
@@ -156,6 +163,11 @@ impl TriangleVoxelizer {
         (self.is_stale, self.still_is_stale) = (true, true);
     }
 
+    /// Whether what stands still is not what it was when the volume was filled.
+    pub fn still_is_stale(&self) -> bool {
+        self.still_is_stale
+    }
+
     /// Whether anything has moved since the volume was filled.
     pub fn is_stale(&self) -> bool {
         self.is_stale
@@ -170,6 +182,34 @@ impl TriangleVoxelizer {
             }
         }
         Ok(())
+    }
+
+    /// Fills the volume with what stands still alone; [`Self::record_still_subcells`] has its sub-cells.
+    pub fn record_still(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &mut VolumeBuffer,
+    ) -> Result<(), GpuError> {
+        let still: Vec<&Mesh> = self.meshes.iter().filter(|p| !p.moves).map(|p| &p.mesh).collect();
+        self.cells.voxelizer.record(gpu, encoder, &still, volume)?;
+        if let Some((level, bare)) = &mut self.subcells {
+            level.voxelizer.record(gpu, encoder, &still, bare)?;
+        }
+        (self.is_stale, self.still_is_stale) = (false, false);
+        Ok(())
+    }
+
+    /// Adds the sub-cells of what stands still to those of views.
+    pub fn record_still_subcells(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        volume: &VolumeBuffer,
+        gathered: &mut GatheredLight,
+    ) -> Result<(), GpuError> {
+        let Some((level, _)) = &self.subcells else { return Ok(()) };
+        gathered.record_static_subcells(gpu, encoder, volume, level.voxelizer.occupancy())
     }
 
     /// Fills the volume, and the sub-cells of gathered light.

@@ -103,6 +103,7 @@ pub fn shader_constants() -> Vec<(&'static str, f32)> {
         ("LUMIVOX_COSINE_1", sh::COS1),
     ];
     all.extend(gather::CONSTANTS);
+    all.extend(progressive::CONSTANTS);
     all
 }
 
@@ -117,6 +118,7 @@ pub fn gpu_structs() -> Vec<(&'static str, usize, &'static [gpu::Field])> {
         entry::<light::PropagationUniform>(),
         entry::<progressive::BrickUniform>(),
         entry::<progressive::StaticUniform>(),
+        entry::<progressive::LumivoxCascade>(),
         entry::<voxelize::MeshUniform>(),
         entry::<voxelize::BatchUniform>(),
         entry::<voxelize::WindowUniform>(),

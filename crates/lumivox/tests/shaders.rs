@@ -119,6 +119,7 @@ fn numbers_that_both_sides_spell_out_agree() {
                 let (_, constant) = m.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name))?;
                 match m.global_expressions[constant.init] {
                     naga::Expression::Literal(naga::Literal::F32(value)) => Some(value),
+                    naga::Expression::Literal(naga::Literal::U32(value)) => Some(value as f32),
                     _ => None,
                 }
             })

@@ -18,6 +18,8 @@ pub(crate) enum VoxelizerArg {
     SinglePass,
     /// What views show in this frame.
     SingleFrame,
+    /// What stands still from its triangles, once; what moves as progressive.
+    Hybrid,
 }
 
 impl From<VoxelizerArg> for VoxelSource {
@@ -27,6 +29,7 @@ impl From<VoxelizerArg> for VoxelSource {
             VoxelizerArg::Progressive => Self::Progressive,
             VoxelizerArg::SinglePass => Self::SinglePass,
             VoxelizerArg::SingleFrame => Self::SingleFrame,
+            VoxelizerArg::Hybrid => Self::Hybrid,
         }
     }
 }

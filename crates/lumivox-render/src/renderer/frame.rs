@@ -111,7 +111,7 @@ impl Renderer {
     fn record_between(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
         // Views that keep nothing would leave what the camera sees alone.
         let looks = self.views_fill_volume() && self.settings.voxels != VoxelSource::SingleFrame;
-        let Self { gpu, volume, voxelizer, indirect, camera, .. } = self;
+        let Self { gpu, volume, voxelizer, indirect, camera, standing, .. } = self;
         let gpu = &*gpu;
         if looks {
             let light = &mut self.direct_light;
@@ -121,7 +121,8 @@ impl Renderer {
             })?;
             timer.stage(gpu, "progressive/injection", |e| {
                 voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
-                indirect.record_injection(gpu, e, &camera.input, volume)
+                indirect.record_injection(gpu, e, &camera.input, volume)?;
+                standing.as_ref().map_or(Ok(()), |s| s.record(gpu, e, volume, indirect))
             })?;
         }
         if std::mem::take(&mut self.surfels_are_stale) || looks {
@@ -138,7 +139,7 @@ impl Renderer {
     /// Fills the volume and its light.
     fn record_volume(&mut self, timer: &mut StageTimer) -> Result<(), RendererError> {
         let views_fill = self.views_fill_volume();
-        let Self { gpu, settings, scene, camera, injected, volume, voxelizer, indirect, .. } = self;
+        let Self { gpu, settings, scene, camera, injected, volume, voxelizer, indirect, standing, .. } = self;
         let (gpu, surfels_are_stale) = (&*gpu, &mut self.surfels_are_stale);
         // Views to volume, light by light, the camera last.
         let light = &mut self.direct_light;
@@ -185,7 +186,8 @@ impl Renderer {
         if views_fill {
             timer.stage(gpu, "progressive/injection", |e| {
                 voxelizer.record_camera(gpu, e, &camera.input, Target { volume, light })?;
-                indirect.record_injection(gpu, e, &camera.input, volume)
+                indirect.record_injection(gpu, e, &camera.input, volume)?;
+                standing.as_ref().map_or(Ok(()), |s| s.record(gpu, e, volume, indirect))
             })?;
         }
         if views_fill && gathers {
@@ -224,6 +226,9 @@ impl Renderer {
 
     /// Fills the volume from triangles that have moved, if that is where it comes from.
     pub(super) fn voxelize_triangles(&mut self, timer: &mut StageTimer) -> Result<(), GpuError> {
+        if let Some(standing) = &mut self.standing {
+            return standing.voxelize(&self.gpu, timer);
+        }
         let Self { gpu, triangles: Some(triangles), volume, indirect, .. } = self else { return Ok(()) };
         if !triangles.is_stale() {
             return Ok(());

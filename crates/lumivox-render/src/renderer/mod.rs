@@ -13,6 +13,7 @@ mod leaf_shadows;
 mod pictures;
 mod settings;
 mod shadowed_lights;
+mod standing;
 mod view_voxelizer;
 mod volume_shadows;
 
@@ -40,6 +41,7 @@ use glass::GlassObjects;
 use indirect::Indirect;
 use injected_lights::{FULL_SAMPLES, InjectedLights};
 use leaf_shadows::LeafShadows;
+use standing::Standing;
 use view_voxelizer::ViewVoxelizer;
 use volume_shadows::VolumeShadows;
 
@@ -106,6 +108,8 @@ pub struct Renderer {
     voxelizer: ViewVoxelizer,
     /// Where the volume comes from triangles.
     triangles: Option<TriangleVoxelizer>,
+    /// Where what stands still comes from them.
+    standing: Option<Standing>,
     /// Where what no view has seen is to be shown.
     expected: Option<Expected>,
     direct_light: DirectLight,
@@ -169,6 +173,12 @@ impl Renderer {
             TriangleVoxelizer::new(gpu, scenes, (&gpu_scene, &textures), &volume, gathers)
         });
         let triangles = triangles.transpose()?;
+        let is_hybrid = settings.voxels == VoxelSource::Hybrid && needs_volume(&settings);
+        let standing = is_hybrid.then(|| {
+            let (scenes, gathers) = ((scene, &panels), matches!(indirect, Indirect::Gathered(_)));
+            Standing::new(gpu, scenes, (&gpu_scene, &textures), (&volume, gathers), settings.clip)
+        });
+        let standing = standing.transpose()?;
         let shows_unseen = settings.layer == Layer::Voxels && settings.voxel_channel == VoxelChannel::Unseen;
         let expected = shows_unseen
             .then(|| Expected::new(gpu, (scene, &panels), (&gpu_scene, &textures), &volume))
@@ -228,6 +238,7 @@ impl Renderer {
             volume,
             voxelizer,
             triangles,
+            standing,
             expected,
             direct_light,
             indirect,
@@ -276,6 +287,9 @@ impl Renderer {
         if let Some(triangles) = &mut self.triangles {
             triangles.set_panels(&self.gpu, &panels);
         }
+        if let Some(standing) = &mut self.standing {
+            standing.set_panels(&self.gpu, &panels);
+        }
     }
 
     /// Moves the scene and its lights, from the next frame on; for a pose of the scene that this was made of.
@@ -293,6 +307,9 @@ impl Renderer {
         }
         if let Some(triangles) = &mut self.triangles {
             triangles.set_pose(&self.gpu, pose);
+        }
+        if let Some(standing) = &mut self.standing {
+            standing.set_pose(&self.gpu, pose);
         }
         if let Some(expected) = &mut self.expected {
             expected.set_pose(&self.gpu, pose);

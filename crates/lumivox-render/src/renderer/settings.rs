@@ -22,6 +22,15 @@ pub enum VoxelSource {
     SinglePass,
     /// Views alone, from nothing in every frame.
     SingleFrame,
+    /// As [`Self::Progressive`], but what stands still comes from its triangles, once, and no view clears it.
+    Hybrid,
+}
+
+impl VoxelSource {
+    /// Whether cleanup and injection keep cells from frame to frame.
+    pub(super) fn keeps_cells(self) -> bool {
+        matches!(self, Self::Progressive | Self::Hybrid)
+    }
 }
 
 /// How indirect light is found.
@@ -59,7 +68,7 @@ pub struct Settings {
     pub grid: u32,
     /// Where the volume comes from.
     pub voxels: VoxelSource,
-    /// When a view proves a cell empty, with [`VoxelSource::Progressive`] and [`VoxelSource::SinglePass`].
+    /// When a view proves a cell empty, with the sources that keep cells from frame to frame.
     pub cleanup: CleanupRule,
     /// How indirect light is found.
     pub gi: GiMethod,

@@ -51,7 +51,7 @@ impl ViewVoxelizer {
                     volume.record_clear(encoder);
                 }
                 progressive.record_begin(encoder, light);
-                if *source == VoxelSource::Progressive {
+                if source.keeps_cells() {
                     progressive.record_cleanup(gpu, encoder, camera, volume)?;
                 }
             }
@@ -68,7 +68,7 @@ impl ViewVoxelizer {
         volume: &mut VolumeBuffer,
     ) -> Result<(), GpuError> {
         match self {
-            Self::TwoPhase { progressive, source: VoxelSource::Progressive } if source.is_full => {
+            Self::TwoPhase { progressive, source: from } if from.keeps_cells() && source.is_full => {
                 let mut views = source.views.iter().map(|v| &v.input);
                 views.try_for_each(|view| progressive.record_cleanup(gpu, encoder, view, volume))
             }

@@ -22,6 +22,7 @@ mod progressive;
 mod room;
 mod scenes;
 mod see_through;
+mod standing;
 mod triangles;
 
 use std::path::PathBuf;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         progressive::TESTS,
         room::TESTS,
         see_through::TESTS,
+        standing::TESTS,
         triangles::TESTS,
     ];
     let mut trials: Vec<Trial> = tests

@@ -15,6 +15,9 @@ use crate::scenes::{Quad, add, block, occupied, settle, small};
 pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a moved block moves in picture, shadow and volume", |gpu| moved(gpu, VoxelSource::Progressive)),
     ("a moved block moves in the single-pass form too", |gpu| moved(gpu, VoxelSource::SinglePass)),
+    ("a moved block moves where what stands still comes from triangles", |gpu| {
+        moved(gpu, VoxelSource::Hybrid)
+    }),
     ("a moved block moves in a volume of triangles", |gpu| moved(gpu, VoxelSource::Triangles)),
     ("a moving lamp moves its light", moving_lamp),
 ];

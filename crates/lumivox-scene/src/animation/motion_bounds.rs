@@ -30,6 +30,22 @@ impl Scene {
         sum
     }
 
+    /// Which instances stand elsewhere, or are deformed, at any of these moments of a clip; none if there is no such clip.
+    pub fn moving_instances(&self, clip: usize) -> Vec<bool> {
+        let mut moves = vec![false; self.instances.len()];
+        let Some(duration) = self.clips().get(clip).map(|c| c.duration) else { return moves };
+        let count = (duration * MOMENTS_PER_SECOND).clamp(*MOMENTS.start(), *MOMENTS.end()).ceil();
+        for i in 0..count as usize {
+            let pose = self.pose(clip, duration * (i as f32 / count));
+            let places = self.instances.iter().zip(&pose.world_from_local);
+            for (moves, (instance, place)) in moves.iter_mut().zip(places) {
+                *moves |= instance.world_from_local != *place
+                    || pose.deformed.iter().any(|d| d.mesh == instance.mesh);
+            }
+        }
+        moves
+    }
+
     fn vertices_of(&self, instance: usize) -> usize {
         self.instances.get(instance).map_or(0, |i| self.meshes[i.mesh].positions.len())
     }

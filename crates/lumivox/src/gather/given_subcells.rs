@@ -10,11 +10,15 @@ pub(super) const SHADER: Shader =
     Shader { name: "gather/given sub-cells", parts: &[GRID, include_str!("given_subcells.wgsl")] };
 
 #[derive(Debug)]
-pub(super) struct GivenSubcells(ComputePass);
+pub(super) struct GivenSubcells {
+    alone: ComputePass,
+    among_others: ComputePass,
+}
 
 impl GivenSubcells {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        Self(ComputePass::new(gpu, &SHADER, &[]))
+        let pass = |keeps: f64| ComputePass::new(gpu, &SHADER, &[("KEEPS", keeps)]);
+        Self { alone: pass(0.0), among_others: pass(1.0) }
     }
 }
 
@@ -32,6 +36,33 @@ impl GatheredLight {
         volume: &VolumeBuffer,
         bits: &Buffer,
     ) -> Result<(), GpuError> {
+        self.record_bits(gpu, encoder, volume, bits, false)?;
+        self.subcells = Subcells::Given;
+        Ok(())
+    }
+
+    /// The same of what stands still, beside the sub-cells that views bring: after these have cleared and injected theirs, in every frame.
+    ///
+    /// # Errors
+    /// As [`record_subcells`](Self::record_subcells).
+    pub fn record_static_subcells(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        bits: &Buffer,
+    ) -> Result<(), GpuError> {
+        self.record_bits(gpu, encoder, volume, bits, true)
+    }
+
+    fn record_bits(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        volume: &VolumeBuffer,
+        bits: &Buffer,
+        keeps: bool,
+    ) -> Result<(), GpuError> {
         let cells = volume.grid().cell_count();
         if 8 * bits.size() < 64 * cells {
             let reason = format!("{} bits are too few for the sub-cells of {cells} cells", 8 * bits.size());
@@ -41,8 +72,8 @@ impl GatheredLight {
             .read("grid", volume.grid_uniform())
             .read("fine", bits)
             .write("subcells", &mut self.store.subcells);
-        self.passes.given_subcells.0.record(gpu, encoder, &bindings, linear_groups(cells as u32))?;
-        self.subcells = Subcells::Given;
-        Ok(())
+        let passes = &self.passes.given_subcells;
+        let pass = if keeps { &passes.among_others } else { &passes.alone };
+        pass.record(gpu, encoder, &bindings, linear_groups(cells as u32))
     }
 }

@@ -4,6 +4,9 @@
 @group(0) @binding(1) var<storage, read> fine: array<u32>;
 @group(0) @binding(2) var<storage, read_write> subcells: array<vec2u>;
 
+// Whether those that are there stay.
+override KEEPS: bool;
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workgroups: vec3u) {
     let index = linear_id(id, workgroups);
@@ -12,7 +15,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     }
     let first = 4u * cell_from_index(grid, index);
     let dims = 4u * grid.dims;
-    var bits = vec2u(0u);
+    var bits = select(vec2u(0u), subcells[index], KEEPS);
     for (var z = 0u; z < 4u; z++) {
         var layer = 0u;
         for (var y = 0u; y < 4u; y++) {

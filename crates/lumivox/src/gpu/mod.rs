@@ -26,6 +26,7 @@ pub(crate) use pass::shader_module;
 pub use pass::{ComputePass, FullscreenPass};
 pub use program::{Bindings, Program, Resource};
 pub use readback::{read_buffer, read_texture};
+pub(crate) use shader::renumbered;
 pub use shader::{Shader, ShaderBinding};
 pub use texture::{Sampler, Texture, TextureOptions};
 pub use timing::{StageTime, StageTimer};

@@ -6,7 +6,8 @@ use super::{Buffer, Gpu, GpuError, Texture};
 pub fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, GpuError> {
     let staging = staging(gpu, buffer.size());
     let mut encoder = encoder(gpu);
-    encoder.copy_buffer_to_buffer(&buffer.raw, 0, &staging, 0, buffer.size());
+    let offset = buffer.window.map_or(0, |(offset, _)| offset);
+    encoder.copy_buffer_to_buffer(&buffer.raw, offset, &staging, 0, buffer.size());
     let bytes = submit_and_map(gpu, encoder, &staging, "a buffer")?;
     Ok(bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()]))
 }

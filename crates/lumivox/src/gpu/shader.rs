@@ -49,6 +49,18 @@ pub(super) fn bindings_of(source: &str) -> Vec<ShaderBinding> {
     source.lines().filter_map(parse_binding).collect()
 }
 
+/// A text of group 0 with its bindings in `group` from `first` on, in the order they stand.
+pub(crate) fn renumbered(source: &str, group: u32, first: u32) -> String {
+    // In one go from front to back, so that no new number is taken for an old one.
+    let mut pieces = source.split("@group(0) @binding(");
+    let mut text = pieces.next().unwrap_or_default().to_owned();
+    for (piece, binding) in pieces.zip(first..) {
+        let rest = piece.split_once(')').map_or(piece, |(_, rest)| rest);
+        text += &format!("@group({group}) @binding({binding}){rest}");
+    }
+    text
+}
+
 fn parse_binding(line: &str) -> Option<ShaderBinding> {
     let rest = line.trim().strip_prefix("@group(")?;
     let (group, rest) = rest.split_once(") @binding(")?;

@@ -28,7 +28,7 @@ use std::num::NonZero;
 use glam::{UVec3, Vec3};
 use lumivox_core::Grid;
 
-use crate::gpu::{Bindings, Gpu, GpuError, Sampler, Shader, Texture, Uniform};
+use crate::gpu::{Bindings, Gpu, GpuError, Sampler, Shader, Texture, Uniform, renumbered};
 use crate::volume::VolumeBuffer;
 
 pub(crate) use from_cells::{FromCells, LPV, PROPAGATED};
@@ -210,14 +210,7 @@ impl IrradianceVolume {
 /// `first` on: one uniform, one sampler and three textures. Plain WGSL for any stage; all names begin with `lumivox_` or
 /// `Lumivox`.
 pub fn irradiance_wgsl(group: u32, first: u32) -> String {
-    // In one go from front to back, so that no new number is taken for an old one.
-    let mut pieces = QUERIES.split("@group(0) @binding(");
-    let mut text = pieces.next().unwrap_or_default().to_owned();
-    for (piece, binding) in pieces.zip(first..) {
-        let rest = piece.split_once(')').map_or(piece, |(_, rest)| rest);
-        text += &format!("@group({group}) @binding({binding}){rest}");
-    }
-    text
+    renumbered(QUERIES, group, first)
 }
 
 /// The layout of those bindings.

@@ -10,6 +10,8 @@
 //!
 //! [`SinglePass`] does both in one stage (6.2.3): cheaper, and coarser. A host uses the one or the other.
 //!
+//! What stands still can be made of triangles instead, once: [`StaticCells`].
+//!
 //! What a view must bring is [`ViewTextures`]. The camera's G-buffer and the lights' reflective shadow maps have the
 //! same pictures, and any other depth image with attributes will do.
 //!
@@ -23,6 +25,7 @@
 
 mod attribute_view;
 mod bricks;
+mod cascade;
 mod channel;
 mod cleanup;
 mod dense;
@@ -33,6 +36,7 @@ mod nearest;
 mod points;
 mod resolve;
 mod single_pass;
+mod static_cells;
 mod view;
 
 use glam::Vec4;
@@ -45,6 +49,10 @@ pub use bricks::{
     BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics, ProgressiveVoxelizer, StaticUniform,
     VoxelizerSettings,
 };
+pub use cascade::{
+    BLEND_CELLS, CASCADE_QUERIES, Cascade, CascadeCells, CascadeSample, LumivoxCascade, MAX_LEVELS,
+    cascade_wgsl,
+};
 pub use channel::{AttributeChannel, AttributeKind};
 pub use cleanup::CleanupRule;
 pub use dense::{DenseVoxelizer, Storage};
@@ -52,6 +60,7 @@ pub use injection::SURFACE_SHIFT;
 pub use light_injection::LIGHT_SUM_WORDS;
 pub use points::{InjectionGrid, InjectionPattern};
 pub use single_pass::SinglePass;
+pub use static_cells::StaticCells;
 pub use view::{InjectionScale, LightView, ViewInput, ViewTextures};
 
 use cleanup::Cleanup;
@@ -273,6 +282,15 @@ fn no_light() -> GpuError {
     GpuError::Binding { pass: light_injection::SHADER.name, reason }
 }
 
+/// Numbers that look-ups of bricks spell out too.
+pub(crate) const CONSTANTS: [(&str, f32); 5] = [
+    ("BRICK_SIDE", BRICK_SIDE as f32),
+    ("HEADER", bricks::HEADER as f32),
+    ("LUMIVOX_BRICK_SIDE", BRICK_SIDE as f32),
+    ("LUMIVOX_BRICK_HEADER", bricks::HEADER as f32),
+    ("LUMIVOX_CASCADE_BLEND", BLEND_CELLS),
+];
+
 /// The texts that volumes make of some sets of channels.
 pub(crate) fn texts() -> Vec<GeneratedText> {
     [bricks::texts(), dense::texts()].concat()
@@ -289,6 +307,8 @@ pub(crate) fn shaders() -> Vec<Shader> {
         light_resolve::SHADER,
         resolve::SHADER,
         single_pass::BY_CENTER,
+        static_cells::SHADER,
+        cascade::SHADER,
         single_pass::BY_FOOTPRINT,
     ];
     [others, of_bricks].concat()

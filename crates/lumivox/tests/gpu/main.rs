@@ -5,6 +5,7 @@
 
 mod bricks;
 mod bricks_room;
+mod cascade;
 mod cells;
 mod cleanup;
 mod contract;
@@ -65,6 +66,7 @@ fn main() -> ExitCode {
     let labs = labs.map(Arc::new);
     let tests = [
         progressive::TESTS,
+        cascade::TESTS,
         cleanup::TESTS,
         bricks::TESTS,
         bricks_room::TESTS,

@@ -19,6 +19,7 @@
 
 mod passes;
 mod readback;
+mod shared;
 mod statics;
 mod store;
 
@@ -31,12 +32,15 @@ use crate::wgsl::GridUniform;
 use super::channel::{self, AttributeChannel};
 use super::{AttributeView, CleanupRule};
 use passes::Passes;
+pub(super) use shared::SharedBuffers;
+use shared::Windows;
 use statics::Statics;
 use store::Store;
 
 pub use readback::{BrickCell, FrameDiagnostics};
 pub use statics::StaticUniform;
 pub use store::BRICK_SIDE;
+pub(super) use store::HEADER;
 
 crate::gpu_struct! {
     /// The window and the settings of a frame as shaders see them.
@@ -100,6 +104,18 @@ impl Default for VoxelizerSettings {
     }
 }
 
+impl VoxelizerSettings {
+    /// The same with room and turns as they can be.
+    fn clean(self) -> Self {
+        Self {
+            bricks: self.bricks.max(1),
+            bricks_in_view: self.bricks_in_view.max(1),
+            turns: clean_turns(self.turns),
+            ..self
+        }
+    }
+}
+
 /// A volume of bricks, kept up from views: progressive voxelization as one object of a host.
 #[derive(Debug)]
 pub struct ProgressiveVoxelizer {
@@ -133,13 +149,19 @@ impl ProgressiveVoxelizer {
         channels: &[AttributeChannel],
         settings: VoxelizerSettings,
     ) -> Result<Self, GpuError> {
+        Self::within(gpu, grid, channels, settings, None)
+    }
+
+    /// As [`Self::new`], in buffers that it shares with others.
+    pub(super) fn within(
+        gpu: &Gpu,
+        grid: Grid,
+        channels: &[AttributeChannel],
+        settings: VoxelizerSettings,
+        windows: Option<Windows>,
+    ) -> Result<Self, GpuError> {
         channel::check(channels)?;
-        let settings = VoxelizerSettings {
-            bricks: settings.bricks.max(1),
-            bricks_in_view: settings.bricks_in_view.max(1),
-            turns: clean_turns(settings.turns),
-            ..settings
-        };
+        let settings = settings.clean();
         Ok(Self {
             grid,
             first: IVec3::ZERO,
@@ -152,7 +174,7 @@ impl ProgressiveVoxelizer {
             cleaned_by: 0,
             passes: Passes::new(gpu, channels, settings.cleanup)?,
             statics: None,
-            store: Store::new(gpu, brick_dims(&grid), channels, &settings)?,
+            store: Store::new(gpu, brick_dims(&grid), channels, &settings, windows)?,
         })
     }
 
@@ -160,6 +182,16 @@ impl ProgressiveVoxelizer {
     pub fn grid(&self) -> Grid {
         let moved = (self.first * BRICK_SIDE as i32).as_dvec3() * f64::from(self.grid.cell_size);
         Grid { origin: (self.grid.origin.as_dvec3() + moved).as_vec3(), ..self.grid }
+    }
+
+    /// Number of the window's first brick along each axis.
+    pub(super) fn first(&self) -> IVec3 {
+        self.first
+    }
+
+    /// Number of its first cell, as of [`BrickCell::cell`].
+    pub(super) fn first_cell(&self) -> IVec3 {
+        self.first * BRICK_SIDE as i32
     }
 
     /// The channels.

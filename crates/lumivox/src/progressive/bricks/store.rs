@@ -17,13 +17,14 @@ use crate::gpu::{Buffer, Gpu, GpuError, Uniform};
 use crate::progressive::channel::{AttributeChannel, sum_words};
 use crate::wgsl::GridUniform;
 
+use super::shared::{Windows, sizes};
 use super::{BrickUniform, VoxelizerSettings};
 
 /// Cells along a side of a brick, and in it.
 pub const BRICK_SIDE: u32 = 4;
 pub(super) const BRICK_CELLS: u64 = 64;
 /// Words of a header, and counters.
-pub(super) const HEADER: usize = 9;
+pub(in crate::progressive) const HEADER: usize = 9;
 pub(super) const COUNTERS: u64 = 16;
 /// The most boxes that cleanup is restricted to; more become one around all.
 pub(super) const MOST_BOXES: usize = 64;
@@ -51,20 +52,31 @@ impl Store {
         dims: UVec3,
         channels: &[AttributeChannel],
         settings: &VoxelizerSettings,
+        windows: Option<Windows>,
     ) -> Result<Self, GpuError> {
         let (slots, seen) = (u64::from(settings.bricks), u64::from(settings.bricks_in_view));
-        let table = dims.as_u64vec3().element_product();
+        let [table, headers, values] = match windows {
+            Some(Windows(windows)) => windows,
+            None => {
+                let [table, headers, values] = sizes(dims, channels, settings);
+                [
+                    Buffer::storage(gpu, "bricks/table", table)?,
+                    Buffer::storage(gpu, "bricks/headers", headers)?,
+                    Buffer::storage(gpu, "bricks/values", values)?,
+                ]
+            }
+        };
         let storage = |name: &str, words: u64| Buffer::storage(gpu, name, 4 * words);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST;
         let store = Self {
             grid: Uniform::new(gpu, "bricks/grid", &bytemuck::Zeroable::zeroed()),
             bricks: Uniform::new(gpu, "bricks/window", &bytemuck::Zeroable::zeroed()),
-            table: storage("bricks/table", table)?,
-            headers: storage("bricks/headers", slots * HEADER as u64)?,
+            table,
+            headers,
             lists: storage("bricks/lists", 3 * slots + seen)?,
             counters: storage("bricks/counters", COUNTERS)?,
             groups: Buffer::with_usage(gpu, "bricks/groups", 36, usage),
-            values: storage("bricks/values", slots * BRICK_CELLS * 2 * channels.len() as u64)?,
+            values,
             shown: storage("bricks/shown", slots * BRICK_CELLS)?,
             sums: storage("bricks/sums", seen * BRICK_CELLS * sum_words(channels))?,
             boxes: storage("bricks/boxes", 8 * MOST_BOXES as u64)?,
