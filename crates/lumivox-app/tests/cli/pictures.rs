@@ -99,7 +99,7 @@ pub(crate) fn layers() -> Result<(), Failed> {
 
 pub(crate) fn methods() -> Result<(), Failed> {
     let folder = Folder::new();
-    for voxelizer in ["triangles", "progressive", "single-pass", "single-frame"] {
+    for voxelizer in ["triangles", "progressive", "single-pass", "single-frame", "hybrid"] {
         for gi in ["off", "propagation", "gather"] {
             let arguments =
                 ["render", "builtin:cornell:0", "-o", "x.png", "--voxelizer", voxelizer, "--gi", gi];

@@ -5,6 +5,7 @@ mod budget;
 mod cost;
 mod curves;
 mod forms;
+mod lighting;
 mod quality;
 mod rig;
 mod scenes;
@@ -32,6 +33,8 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
         scenes::normals(timer, body, quick, report)?;
         budget::run(timer, body, quick, report)?;
     }
+    report.write()?;
+    lighting::run(timer, quick, report)?;
     report.write()?;
     cost::run(timer, &bodies, &others, quick, report)
 }

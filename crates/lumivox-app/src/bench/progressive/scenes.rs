@@ -18,6 +18,7 @@ use crate::bench::plot::{Plot, Series};
 use crate::bench::report::{Report, Row};
 use crate::bench::timing::Timer;
 use crate::bench::voxel_picture::voxel_picture;
+use crate::sheet;
 
 /// Texels a side of the camera's pictures.
 const SIZE: u32 = 384;
@@ -33,6 +34,10 @@ struct Moving {
     step: f32,
     /// What the second view is.
     other: &'static str,
+    /// How much of the grid its pictures show along each axis, so that a wall does not hide the rest.
+    cut: Vec3,
+    /// What they show.
+    caption: &'static str,
 }
 
 /// How a volume is kept in such a scene.
@@ -44,6 +49,8 @@ struct Way {
     dies: bool,
 }
 
+/// Those that pictures show.
+const SHOWN: [usize; 3] = [0, 3, 5];
 const WAYS: [Way; 6] = [
     Way { name: "footprint", cleanup: CleanupRule::Footprint, other_cleans: false, dies: false },
     Way { name: "center", cleanup: CleanupRule::Center, other_cleans: false, dies: false },
@@ -65,8 +72,24 @@ pub(super) fn moving(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Res
     ));
     let detail = u32::from(!quick);
     let scenes = [
-        Moving { name: "door", scene: builtin::door(detail), step: 9.8 / 60.0, other: "back room" },
-        Moving { name: "tunnel", scene: builtin::tunnel(detail), step: 12.0 / 60.0, other: "lamp" },
+        Moving {
+            name: "door",
+            scene: builtin::door(detail),
+            step: 9.8 / 60.0,
+            other: "back room",
+            cut: Vec3::new(0.9, 0.75, 0.93),
+            caption: "the wall behind the door comes when it opens, and stays; the leaf and the figure that walks behind it leave a trail \
+                      where no view sees their places free (above), and none where one does (below).",
+        },
+        Moving {
+            name: "tunnel",
+            scene: builtin::tunnel(detail),
+            step: 12.0 / 60.0,
+            other: "lamp",
+            cut: Vec3::new(0.8, 0.55, 0.93),
+            caption: "a tank drives towards the camera, which does not see what is behind its hull (above); the light's view does, and the cells that \
+                      the tank has left vanish (in the middle).",
+        },
     ];
     let mut lines = Vec::new();
     for moving in &scenes {
@@ -99,7 +122,8 @@ fn one(
         .collect::<Result<_>>()?;
     let mut stale: Vec<Vec<f64>> = vec![Vec::new(); WAYS.len()];
     let mut found = stale.clone();
-    let mut pictures: Vec<RgbImage> = Vec::new();
+    let mut pictures: Vec<Vec<RgbImage>> = vec![Vec::new(); SHOWN.len()];
+    let moments = [frames / 12, frames / 3, 3 * frames / 4];
     for frame in 0..frames {
         let pose = scene.pose(0, frame as f32 * moving.step);
         scene.apply(&pose);
@@ -124,19 +148,20 @@ fn one(
             found[n]
                 .push(thin.iter().filter(|c| cells.contains(c)).count() as f64 / thin.len().max(1) as f64);
         }
-        // Shut, open and shut again; far, near and gone.
-        if [frames / 12, frames / 3, 3 * frames / 4].contains(&frame) {
-            for n in [0, WAYS.len() - 1] {
-                pictures.push(by_age(&grid, &bricks[n].voxelizer.read_cells(gpu)?));
+        if moments.contains(&frame) {
+            for (row, way) in pictures.iter_mut().zip(SHOWN) {
+                row.push(by_age(&grid, &bricks[way].voxelizer.read_cells(gpu)?, moving.cut));
             }
         }
     }
     let what = format!(
-        "{}, three moments: cells that the camera injects in that frame in red, older ones from yellow to blue, those that 30 frames have \
-         not shown grey; above by footprint with one view, below by rays with the second that only cleans, and with age. The walls that would hide the rest are left out.",
-        moving.name
+        "{}: {} Cells that the camera injects in that frame in red, older ones from yellow to blue, those that 30 frames have not shown grey; the \
+         walls that would hide the rest are left out.",
+        moving.name, moving.caption
     );
-    let picture = rows(&pictures, 2);
+    let titles = moments.map(|frame| format!("{:.1} s", frame as f32 * moving.step));
+    let rows: Vec<_> = SHOWN.iter().zip(pictures).map(|(way, row)| (WAYS[*way].name, row)).collect();
+    let picture = sheet::contact_sheet(&rows, &titles.each_ref().map(String::as_str));
     report.picture(moving.name, &what, &picture)?;
     let mut series = Vec::new();
     let mut lines = Vec::new();
@@ -236,8 +261,8 @@ fn by_normal(grid: &Grid, cells: &[BrickCell]) -> RgbImage {
 }
 
 /// A room's cells by age, without the walls towards the viewer and the ceiling.
-fn by_age(grid: &Grid, cells: &[BrickCell]) -> RgbImage {
-    let top = grid.dims.as_vec3() * Vec3::new(0.9, 0.75, 0.93);
+fn by_age(grid: &Grid, cells: &[BrickCell], cut: Vec3) -> RgbImage {
+    let top = grid.dims.as_vec3() * cut;
     by_age_of(grid, cells, |cell| cell.as_vec3().cmplt(top).all())
 }
 

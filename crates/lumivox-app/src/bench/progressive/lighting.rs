@@ -1,0 +1,185 @@
+//! Light of single frames beside that of a volume that is kept, and beside that of all triangles: Figures 6.6, 71 and 79.
+
+use anyhow::Result;
+use glam::{UVec2, Vec3};
+use lumivox::gather::Quality;
+use lumivox::gpu::Gpu;
+use lumivox_render::{Layer, Renderer, Settings, VoxelSource};
+use lumivox_scene::{Camera, Scene, builtin};
+
+use crate::bench::report::{Report, Row};
+use crate::bench::timing::Timer;
+use crate::output::Picture;
+use crate::sheet;
+
+/// Pictures in a row.
+const SHOWN: usize = 4;
+/// Frames before the first that counts.
+const WARM_UP: usize = 4;
+const SOURCES: [(&str, VoxelSource); 3] = [
+    ("single frames", VoxelSource::SingleFrame),
+    ("progressive", VoxelSource::Progressive),
+    ("triangles", VoxelSource::Triangles),
+];
+
+/// What is seen in one frame, and when.
+struct Moment {
+    name: String,
+    camera: Camera,
+    /// Of the scene's clip.
+    seconds: f32,
+}
+
+/// The pictures of a run, and how far each is off those of triangles.
+struct Run {
+    name: &'static str,
+    pictures: Vec<Vec<Vec3>>,
+    off: Vec<f64>,
+}
+
+/// A walk through the atrium, and the sun over its curtains.
+pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result<()> {
+    let scene = builtin::atrium(if quick { 0 } else { 1 });
+    report.head("Figures 6.6, 71 and 79: light from frame to frame");
+    report.say(
+        "Gathered light in the built-in atrium, all surfels in each frame, and the voxels of each frame alone, those that are kept, and those of all \
+         triangles, which the others are held against: *off* is the mean difference of indirect light at the pixels, in parts of its mean. A volume \
+         that knows less than there is changes the light when the camera turns; *jumps* is the largest change of *off* from a frame to the next.",
+    );
+    let frames = if quick { 6 } else { 12 };
+    let walk: Vec<Moment> = (0..frames)
+        .map(|n| {
+            let along = 0.3 + 0.5 * n as f32 / (frames - 1) as f32;
+            Moment {
+                name: format!("frame {}", n + 1),
+                camera: builtin::atrium_camera_path(along),
+                seconds: 0.0,
+            }
+        })
+        .collect();
+    let runs = measure(timer.gpu, &scene, &walk, quick)?;
+    // Where the light of single frames changes most.
+    let change = |n: usize| (runs[0].off[n + 1] - runs[0].off[n]).abs();
+    let most = (0..frames - 1).max_by(|a, b| change(*a).total_cmp(&change(*b))).unwrap_or(0);
+    let first = most.saturating_sub(1).min(frames - SHOWN);
+    let shown: Vec<usize> = (first..first + SHOWN).collect();
+    show(&runs, &walk, (&shown, quick), ("jumps", "walk"), report)?;
+
+    // By the curtains first, so that what is kept knows them; then from where they cannot be seen.
+    let (before, days) = if quick { (4, 4) } else { (8, 6) };
+    let past = (0..before).map(|n| Moment {
+        name: "on the way".to_owned(),
+        camera: builtin::atrium_camera_path(0.4 * n as f32 / before as f32),
+        seconds: 0.0,
+    });
+    // In the arcade on the shaded side, for an afternoon.
+    let hidden = scene.cameras.iter().find(|c| c.name == "shaded arcade").unwrap_or(&walk[0].camera);
+    let day = (0..days).map(|n| {
+        let seconds = 7.0 * n as f32 / days as f32;
+        Moment { name: format!("{seconds:.1} s"), camera: hidden.clone(), seconds }
+    });
+    let all: Vec<Moment> = past.chain(day).collect();
+    let runs = measure(timer.gpu, &scene, &all, quick)?;
+    let shown: Vec<usize> = (0..SHOWN).map(|n| before + n * days / SHOWN).collect();
+    show(&runs, &all, (&shown, quick), ("curtains", "sun"), report)
+}
+
+fn size(quick: bool) -> UVec2 {
+    if quick { UVec2::new(160, 90) } else { UVec2::new(320, 180) }
+}
+
+fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<Vec<Run>> {
+    let mut settings = Settings {
+        size: size(quick),
+        grid: if quick { 32 } else { 64 },
+        clip: Some(0),
+        rsm_size: 256,
+        points: 320,
+        area_samples: 16,
+        area_maps: 16,
+        layer: Layer::Indirect,
+        ..Settings::of(Quality::Medium)
+    };
+    settings.gather.frames = 1.0;
+    let mut runs = Vec::new();
+    for (name, voxels) in SOURCES {
+        let mut renderer = Renderer::new(gpu, scene, Settings { voxels, ..settings })?;
+        let mut pictures = Vec::new();
+        // So many bounces first that the first picture is not darker than the others.
+        for moment in std::iter::repeat_n(&moments[0], WARM_UP).chain(moments) {
+            renderer.set_pose(&scene.pose(0, moment.seconds));
+            renderer.set_camera(&moment.camera);
+            renderer.frame(None)?;
+            pictures.push(renderer.read_picture()?);
+        }
+        pictures.drain(..WARM_UP);
+        runs.push(Run { name, pictures, off: Vec::new() });
+    }
+    let truth = runs[SOURCES.len() - 1].pictures.clone();
+    for run in &mut runs {
+        let off = |(ours, truth): (&Vec<Vec3>, &Vec<Vec3>)| {
+            let sum =
+                |of: &mut dyn Iterator<Item = Vec3>| of.map(|p| f64::from(p.element_sum())).sum::<f64>();
+            let apart = sum(&mut ours.iter().zip(truth).map(|(a, b)| (*a - *b).abs()));
+            apart / sum(&mut truth.iter().copied()).max(1e-9)
+        };
+        run.off = run.pictures.iter().zip(&truth).map(off).collect();
+    }
+    Ok(runs)
+}
+
+fn show(
+    runs: &[Run],
+    moments: &[Moment],
+    (shown, quick): (&[usize], bool),
+    (stem, what): (&str, &str),
+    report: &mut Report,
+) -> Result<()> {
+    let mut lines = Vec::new();
+    let begin = if stem == "curtains" { shown[0] } else { 0 };
+    for run in runs.iter().filter(|run| run.name != "triangles") {
+        let off = &run.off[begin..];
+        let mean = off.iter().sum::<f64>() / off.len() as f64;
+        let jump = off.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        for (metric, value) in [("off", mean), ("jumps", jump)] {
+            report.push(Row {
+                figure: "light from frame to frame",
+                case: format!("atrium, {what}"),
+                metric: format!("{metric}, {}", run.name),
+                value,
+                unit: "1",
+                paper: None,
+                note: format!("{} frames", off.len()),
+            });
+        }
+        let percent = |v: f64| format!("{:.1} %", 100.0 * v);
+        lines.push(vec![what.to_owned(), run.name.to_owned(), percent(mean), percent(jump)]);
+    }
+    report.table(&["frames", "voxels of", "off", "jumps"].map(str::to_owned), &lines);
+    let brightest = runs.iter().flat_map(|run| shown.iter().flat_map(|n| &run.pictures[*n])).copied();
+    let exposure_ev = lumivox_render::tone::auto_exposure(&brightest.collect::<Vec<_>>());
+    let size = size(quick);
+    let tiles = runs.iter().map(|run| {
+        let tile = |n: &usize| {
+            let picture = Picture { width: size.x, height: size.y, pixels: run.pictures[*n].clone() };
+            let off = match run.name {
+                "triangles" => moments[*n].name.clone(),
+                _ => format!("{}, {:.0} % off", moments[*n].name, 100.0 * run.off[*n]),
+            };
+            ([run.name.to_owned(), off], picture.srgb(Layer::Final, exposure_ev))
+        };
+        shown.iter().map(tile).collect()
+    });
+    let sheet = sheet::captioned_sheet(&tiles.collect::<Vec<_>>());
+    let caption = match stem {
+        "jumps" => {
+            "Indirect light in the atrium in frames that follow each other on a walk: above of the voxels that each frame's views show, which changes with \
+             what they show; in the middle of those that are kept; below of all triangles"
+        }
+        _ => {
+            "Indirect light in the atrium under a sun that moves, seen from an arcade after the camera has walked out of it and past the curtains of both \
+             sides, most of which columns hide here. Above of the voxels of each frame, in the middle of those that are kept, below of all triangles"
+        }
+    };
+    report.picture(stem, caption, &sheet)
+}
