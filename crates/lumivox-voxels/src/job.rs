@@ -9,18 +9,22 @@ use rayon::prelude::*;
 
 use crate::channels::{Parts, takes_flat};
 use crate::coverage::{CellBox, Triangle};
-use crate::flat::BLOCK_SHIFT;
+use crate::flat::{BLOCK_SHIFT, Colors};
+use crate::model::MaterialOf;
 use crate::options::{Progress, Stage, VoxelizeOptions};
 use crate::placement::{PackedCell, Placement};
 use crate::sparse::SHIFT;
-use crate::surface::{Asked, Face, Placed, has_flat_normals};
+use crate::surface::{Asked, Placed};
 use crate::{Channel, Coverage, Material, Model, VoxelizeError};
 
 /// Triangles of one mesh that are binned together.
 #[derive(Clone, Debug)]
 pub(crate) struct Chunk {
     pub(crate) mesh: usize,
+    /// Their places in the order that [`Colors`] has for the mesh, if it has one, else their numbers.
     pub(crate) triangles: Range<u32>,
+    /// The number of their colour, if there are [`Colors`].
+    pub(crate) color: u32,
 }
 
 /// The cells that a triangle reaches.
@@ -74,8 +78,8 @@ pub(crate) struct Job<'a> {
     pub(crate) placements: Vec<Placement>,
     /// The cell of each vertex of each mesh: vertices have more triangles than one, and most of those need no more.
     vertex_cells: Vec<Vec<PackedCell>>,
-    /// Whether all triangles have one colour all over, the same for all, and one normal each.
-    pub(crate) is_flat: bool,
+    /// The colours of triangles, if all of them have one colour and one normal each.
+    pub(crate) colors: Option<Colors>,
     options: &'a VoxelizeOptions<'a>,
     cancelled: AtomicBool,
     /// Bytes of finished bricks.
@@ -117,7 +121,7 @@ impl<'a> Job<'a> {
                 .map(|mesh| Placement::new(&grid, &mesh.world_from_local, options.snap))
                 .collect(),
             vertex_cells: Vec::new(),
-            is_flat: false,
+            colors: None,
             options,
             cancelled: AtomicBool::new(false),
             finished_bytes: AtomicU64::new(0),
@@ -131,27 +135,18 @@ impl<'a> Job<'a> {
             }
         });
         job.vertex_cells = cells.collect();
-        job.is_flat = job.find_flat();
+        job.colors = Colors::of(&job);
         Ok(job)
     }
 
-    fn find_flat(&self) -> bool {
-        if self.coverage == Coverage::Sampled || !self.takes_flat {
-            return false;
-        }
-        let mut colors: Option<Vec<[i64; 4]>> = None;
-        (0..self.model.meshes.len()).all(|mesh| {
-            let Some(face) = Face::flat(self, mesh) else { return false };
-            let mut own = vec![[0; 4]; self.channels.len()];
-            face.shade_flat(self.channels, &mut own);
-            *colors.get_or_insert_with(|| own.clone()) == own
-                && (!self.asked.normal || has_flat_normals(&self.model.meshes[mesh]))
-        })
+    /// Whether all triangles have one colour and one normal each.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.colors.is_some()
     }
 
     /// Triangles are sorted by cubes of two to the power of this many cells.
     pub(crate) fn shift(&self) -> u32 {
-        if self.is_flat { BLOCK_SHIFT } else { SHIFT }
+        if self.is_flat() { BLOCK_SHIFT } else { SHIFT }
     }
 
     /// Such cubes along the axes of the grid.
@@ -180,12 +175,24 @@ impl<'a> Job<'a> {
         let mut chunks = Vec::new();
         for (mesh, view) in self.model.meshes.iter().enumerate() {
             let count = view.triangles.len() as u32;
-            chunks.extend((0..count.div_ceil(size)).map(|n| {
-                let start = n * size;
-                Chunk { mesh, triangles: start..count.min(start.saturating_add(size)) }
-            }));
+            let runs = self.colors.as_ref().map_or_else(|| vec![(0, 0..count)], |c| c.runs(mesh, count));
+            for (color, run) in runs {
+                chunks.extend((0..(run.end - run.start).div_ceil(size)).map(|n| {
+                    let start = run.start + n * size;
+                    Chunk { mesh, triangles: start..run.end.min(start.saturating_add(size)), color }
+                }));
+            }
         }
         chunks
+    }
+
+    /// The number of a triangle's material.
+    #[inline]
+    pub(crate) fn material_of(&self, mesh: usize, number: u32) -> usize {
+        match self.model.meshes[mesh].material {
+            MaterialOf::Mesh(material) => material,
+            MaterialOf::Triangle(numbers) => numbers[number as usize] as usize,
+        }
     }
 
     /// The cells that a triangle reaches; none if it names no vertex or is not finite.

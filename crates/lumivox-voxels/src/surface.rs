@@ -68,10 +68,7 @@ impl<'a> Face<'a> {
     #[inline]
     pub(crate) fn new(job: &'a Job<'a>, mesh: usize, number: u32, normal: DVec3) -> Self {
         let view = &job.model.meshes[mesh];
-        let material_number = match view.material {
-            MaterialOf::Mesh(material) => material,
-            MaterialOf::Triangle(numbers) => numbers[number as usize] as usize,
-        };
+        let material_number = job.material_of(mesh, number);
         let material = job.model.materials.get(material_number).unwrap_or(&job.plain);
         let placed = &job.placed[mesh];
         let asked = &job.asked;
@@ -85,8 +82,13 @@ impl<'a> Face<'a> {
 
     /// A stand-in for the faces of a mesh that are all flat and of one material, if it is such a mesh.
     pub(crate) fn flat(job: &'a Job<'a>, mesh: usize) -> Option<Self> {
+        let MaterialOf::Mesh(material_number) = job.model.meshes[mesh].material else { return None };
+        Self::plain(job, mesh, material_number)
+    }
+
+    /// The same for the faces of a mesh that have one of its materials.
+    pub(crate) fn plain(job: &'a Job<'a>, mesh: usize, material_number: usize) -> Option<Self> {
         let view = &job.model.meshes[mesh];
-        let MaterialOf::Mesh(material_number) = view.material else { return None };
         let material = job.model.materials.get(material_number).unwrap_or(&job.plain);
         (job.takes_flat && !varies(&job.asked, view, material)).then(|| Self {
             mesh,

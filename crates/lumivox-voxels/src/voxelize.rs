@@ -100,7 +100,7 @@ fn all_bins(
     chunks
         .par_iter()
         .map(|chunk| {
-            let bins = if job.is_flat {
+            let bins = if job.is_flat() {
                 let mut worker = idle.take(|| ChunkWorker::new(job));
                 let bins = worker.bin(job, chunk, bricks, budget);
                 idle.put(worker);
@@ -197,7 +197,7 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
     let packets: Result<Vec<Packet>, VoxelizeError> = tasks
         .par_iter()
         .map(|task| {
-            let packet = if job.is_flat {
+            let packet = if job.is_flat() {
                 flat_packet(job, chunks, bins, task, &idle)
             } else {
                 packet(job, chunks, bins, task)
@@ -208,7 +208,7 @@ fn packets(job: &Job<'_>, chunks: &[Chunk], bins: &[Bins], all: &mut Packet) -> 
         })
         .collect();
     let packets = packets?;
-    if job.is_flat {
+    if job.is_flat() {
         all.append_in_order(packets);
     } else {
         packets.into_iter().for_each(|packet| all.append(packet));
@@ -227,11 +227,15 @@ fn flat_packet<'a>(
     let mut packet = Packet::new(job);
     let mut worker = idle.take(|| BlockWorker::new(job));
     for same_block in segments.chunk_by(|a, b| a.brick == b.brick) {
-        let part = |segment: &Segment| match segment.is_summed {
-            true => Part::Sums(bins[segment.chunk as usize].sums.get(segment.number as usize)),
-            false => Part::Triangles(batch(chunks, bins, segment)),
+        let part = |segment: &Segment| {
+            let part = match segment.is_summed {
+                true => Part::Sums(bins[segment.chunk as usize].sums.get(segment.number as usize)),
+                false => Part::Triangles(batch(chunks, bins, segment)),
+            };
+            (chunks[segment.chunk as usize].color, part)
         };
-        let parts: Vec<Part<'_>> = same_block.iter().map(part).collect();
+        let mut parts: Vec<(u32, Part<'_>)> = same_block.iter().map(part).collect();
+        parts.sort_by_key(|part| part.0);
         worker.block(brick_of(job.along(), same_block[0].brick), &parts, &mut packet);
     }
     idle.put(worker);
@@ -312,7 +316,7 @@ mod tests {
                     let sums: usize = bins.iter().map(|bins| bins.sums.len()).sum();
                     (packet.bricks, packet.masks, packet.values, sums > 0)
                 };
-                let one = [Chunk { mesh: 0, triangles: 0..indices.len() as u32 }];
+                let one = [Chunk { mesh: 0, triangles: 0..indices.len() as u32, color: 0 }];
                 let limit = options.memory_limit;
                 let listed = run(&one, &Budget::of_pairs(limit));
                 assert!(!listed.3 && !listed.0.is_empty());

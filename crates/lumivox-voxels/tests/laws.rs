@@ -172,9 +172,18 @@ fn plain_channels_have_the_means_of_all_others() {
         })
         .collect();
     let grid = unit_grid(33, 31, 32);
+    let backwards: Vec<[u32; 3]> = soup.indices.iter().rev().copied().collect();
+    let numbers_backwards: Vec<u32> = numbers.iter().rev().copied().collect();
+    let backwards = MeshView {
+        material: MaterialOf::Triangle(&numbers_backwards),
+        ..MeshView::new(TriangleView { positions: &soup.positions, indices: &backwards })
+    };
     for coverage in COVERAGES {
-        let [by_triangle, by_mesh] =
-            [vec![by_triangle], parts.clone()].map(|meshes| Model { meshes, materials: materials.clone() });
+        let [by_triangle, backwards, by_mesh] = [vec![by_triangle], vec![backwards], parts.clone()]
+            .map(|meshes| Model { meshes, materials: materials.clone() });
+        let plain = |model| with(model, grid, coverage, plain_channels());
+        assert_same_bits(&plain(&by_triangle), &plain(&by_mesh));
+        assert_same_bits(&plain(&by_triangle), &plain(&backwards));
         let mut long = plain_channels();
         long.push(Channel::area());
         let long = with(&by_triangle, grid, coverage, long);

@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use lumivox_core::{Bounds, Grid, TriangleView};
-use lumivox_voxels::{Channel, Coverage, Model, VoxelizeOptions, voxelize};
+use lumivox_voxels::{Channel, Coverage, Material, MaterialOf, MeshView, Model, VoxelizeOptions, voxelize};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -49,14 +49,23 @@ fn round(mesh: &Mesh, n: u32) -> Result<(), Failure> {
     let used = Bounds::of_points(mesh.indices.iter().flatten().map(|&i| mesh.positions[i as usize].into()));
     let grid = Grid::fit(&used, n)?;
     let model = Model::from(view);
-    let ours = |coverage, channels: Vec<Channel>| {
-        let model = &model;
+    // Stripes of a thousand triangles.
+    let stripes: Vec<u32> = (0..mesh.indices.len() as u32).map(|n| n / 1000 % 3).collect();
+    let striped = Model {
+        meshes: vec![MeshView { material: MaterialOf::Triangle(&stripes), ..MeshView::new(view) }],
+        materials: [0.2, 0.5, 0.8]
+            .map(|red| Material { base_color: glam::Vec4::new(red, 0.5, 0.5, 1.0), ..Material::default() })
+            .to_vec(),
+    };
+    let ours_of = |model, coverage, channels: Vec<Channel>| {
+        let model: &Model<'_> = model;
         move || {
             let options =
                 VoxelizeOptions { coverage, channels: channels.clone(), ..VoxelizeOptions::resolution(n) };
             voxelize(model, &options).map_or(0, |volume| black_box(volume).len() as usize)
         }
     };
+    let ours = |coverage, channels| ours_of(&model, coverage, channels);
     // Others take positions in cells, some with cells centred on whole numbers.
     let in_cells = |shift: f32| -> Vec<[f32; 3]> {
         mesh.positions.iter().map(|&p| (grid.grid_from_world(p.into()) - shift).to_array()).collect()
@@ -72,7 +81,8 @@ fn round(mesh: &Mesh, n: u32) -> Result<(), Failure> {
     };
     let both = vec![Channel::albedo(), Channel::normal()];
     add("lumivox exact", Box::new(ours(Coverage::Exact, vec![])));
-    add("lumivox exact, albedo, normal", Box::new(ours(Coverage::Exact, both)));
+    add("lumivox exact, albedo, normal", Box::new(ours(Coverage::Exact, both.clone())));
+    add("lumivox exact, of three colours", Box::new(ours_of(&striped, Coverage::Exact, both)));
     add("lumivox thin", Box::new(ours(Coverage::Thin, vec![])));
     add("lumivox sampled", Box::new(ours(Coverage::Sampled, vec![])));
     add("dense bits, f32, one thread", Box::new(|| dense::voxelize(&corner, &mesh.indices, grid.dims)));

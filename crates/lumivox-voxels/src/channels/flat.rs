@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::numbers::{CANCELLED, VALUE_STEPS, WEIGHT_UNITS, fixed, integer, unit};
+use super::numbers::{CANCELLED, VALUE_STEPS, WEIGHT_UNITS, fixed, integer, to_f64, unit};
 use super::{Channel, Rule, Source, Values};
 use crate::sparse::CELLS;
 
@@ -55,6 +55,17 @@ impl FlatPiece {
     }
 }
 
+/// The sums of pieces of one or several colours in a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MixedCell<'a> {
+    /// The number of the first colour.
+    pub(crate) color: u32,
+    /// Weights, and weights times normals.
+    pub(crate) sums: &'a [i128; 4],
+    /// Weights times values, per channel, where there are several colours.
+    pub(crate) values: Option<&'a [[i128; 4]]>,
+}
+
 /// Writes cells that hold nothing but pieces of flat triangles with the same colours: what
 /// [`Accumulator::take`](super::Accumulator::take) would make of them, brick by brick.
 #[derive(Clone, Debug)]
@@ -90,6 +101,32 @@ impl FlatWriter {
                 let color = color.map(|fixed| (fixed as f64 / VALUE_STEPS) as f32);
                 results.push_copies(&color[..channel.components], len, channel.range);
             }
+        }
+    }
+}
+
+/// Appends the results of some cells in which several colours may meet to one list per channel; `colors` are the values
+/// of each.
+pub(crate) fn write_mixed<'a>(
+    channels: &[Channel],
+    colors: &[Vec<[i64; 4]>],
+    cells: impl Iterator<Item = MixedCell<'a>>,
+    results: &mut [Values],
+) {
+    for cell in cells {
+        let sums = cell.sums.map(to_f64);
+        let per_weight = 1.0 / (sums[0] * VALUE_STEPS);
+        for (n, (channel, results)) in channels.iter().zip(&mut *results).enumerate() {
+            let values = match cell.values {
+                _ if matches!(channel.source, Source::Normal) => {
+                    let [x, y, z] = mean_normal(sums);
+                    [x, y, z, 0.0]
+                }
+                Some(values) => values[n].map(|sum| (to_f64(sum) * per_weight) as f32),
+                // Equal values have exactly their value as mean.
+                None => colors[cell.color as usize][n].map(|fixed| (fixed as f64 / VALUE_STEPS) as f32),
+            };
+            results.push(&values[..channel.components], channel.range);
         }
     }
 }

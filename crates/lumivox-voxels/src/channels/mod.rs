@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 
 pub(crate) use accumulate::{Accumulator, Fragment, Parts};
-pub(crate) use flat::{FlatPiece, FlatWriter, takes_flat};
+pub(crate) use flat::{FlatPiece, FlatWriter, MixedCell, takes_flat, write_mixed};
 pub(crate) use numbers::{fixed, to_f64, unit};
 pub use values::{Format, Values};
 

@@ -3,10 +3,11 @@
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::{AHEAD, Ahead, BrickSums, LONGEST, for_each_piece};
+use super::mixed::MixedSums;
+use super::{AHEAD, Ahead, BrickSums, Colors, LONGEST, for_each_piece};
 use crate::areas::Areas;
 use crate::cells::{Batch, SHARE};
-use crate::channels::{FlatPiece, FlatWriter, to_f64};
+use crate::channels::{FlatPiece, FlatWriter, to_f64, write_mixed};
 use crate::coverage::CellBox;
 use crate::job::{Job, Reached};
 use crate::packet::Packet;
@@ -37,31 +38,43 @@ pub(crate) struct BlockWorker<'a> {
     marks: [u64; BRICKS * SIDE as usize],
     /// Sums that were put aside, and their cells.
     aside: Vec<(u32, FlatPiece)>,
-    colors: Vec<[i64; 4]>,
     writer: FlatWriter,
+    mixed: MixedSums,
 }
 
 impl<'a> BlockWorker<'a> {
     pub(crate) fn new(job: &'a Job<'a>) -> Self {
-        let mut colors = vec![[0; 4]; job.channels.len()];
-        if let Some(face) = Face::flat(job, 0) {
-            face.shade_flat(job.channels, &mut colors);
-        }
         Self {
             job,
             areas: Areas::default(),
             sums: vec![[0; 4]; BRICKS * CELLS],
             marks: [0; BRICKS * SIDE as usize],
             aside: Vec::new(),
-            colors,
             writer: FlatWriter::new(),
+            mixed: MixedSums::default(),
         }
     }
 
-    /// Works out a block and appends its bricks.
-    pub(crate) fn block(&mut self, block: UVec3, parts: &[Part<'_>], packet: &mut Packet) {
+    /// Works out a block and appends its bricks; parts come with their colours, and in the order of these.
+    pub(crate) fn block(&mut self, block: UVec3, parts: &[(u32, Part<'_>)], packet: &mut Packet) {
+        let colors = self.job.colors.as_ref().map_or(&[][..], Colors::values);
+        let [Some(first), Some(last)] = [parts.first(), parts.last()] else { return };
+        if first.0 == last.0 {
+            self.sum(block, parts);
+            return self.write(block, colors.get(first.0 as usize).map_or(&[], Vec::as_slice), packet);
+        }
+        for same in parts.chunk_by(|a, b| a.0 == b.0) {
+            self.sum(block, same);
+            let Self { mixed, marks, sums, aside, .. } = self;
+            mixed.add((same[0].0, colors), marks, sums, aside);
+        }
+        self.write_mixed(block, colors, packet);
+    }
+
+    /// Sums parts of one colour.
+    fn sum(&mut self, block: UVec3, parts: &[(u32, Part<'_>)]) {
         let mut batches = Vec::new();
-        for part in parts {
+        for (_, part) in parts {
             match part {
                 Part::Triangles(batch) => batches.push(*batch),
                 Part::Sums(sums) => self.add_all(sums),
@@ -76,7 +89,6 @@ impl<'a> BlockWorker<'a> {
         } else {
             batches.iter().for_each(|batch| self.batch(block, batch));
         }
-        self.write(block, packet);
     }
 
     /// Many triangles, in parts that go to threads.
@@ -107,7 +119,8 @@ impl<'a> BlockWorker<'a> {
         let low = block.as_ivec3() << BLOCK_SHIFT;
         let cells = CellBox { low, high: low + ((1 << BLOCK_SHIFT) - 1) };
         let cells = cells.intersection(&CellBox::of_grid(job.dims()));
-        let Some(face) = Face::flat(job, batch.mesh) else { return };
+        let Some(&any) = batch.triangles.first() else { return };
+        let Some(face) = Face::plain(job, batch.mesh, job.material_of(batch.mesh, any)) else { return };
         let mut areas = std::mem::take(&mut self.areas);
         let mut ahead = Ahead::new();
         for numbers in batch.triangles.chunks(AHEAD) {
@@ -151,9 +164,9 @@ impl<'a> BlockWorker<'a> {
         *sum = [(a & keep) + w, (b & keep) + x, (c & keep) + y, (d & keep) + z];
     }
 
-    /// Appends the bricks that have cells, and forgets them.
-    fn write(&mut self, block: UVec3, packet: &mut Packet) {
-        let Self { job, sums, marks, aside, colors, writer, .. } = self;
+    /// Appends the bricks that have cells, all of one colour, and forgets them.
+    fn write(&mut self, block: UVec3, colors: &[[i64; 4]], packet: &mut Packet) {
+        let Self { job, sums, marks, aside, writer, .. } = self;
         let along = bricks_along(job.dims());
         aside.sort_unstable_by_key(|(place, _)| *place);
         for (n, marks) in marks.chunks_exact_mut(SIDE as usize).enumerate() {
@@ -161,13 +174,7 @@ impl<'a> BlockWorker<'a> {
             if mask == [0; SIDE as usize] {
                 continue;
             }
-            let number = n as u32;
-            let within = UVec3::new(
-                number % BRICKS_ALONG,
-                number / BRICKS_ALONG % BRICKS_ALONG,
-                number / (BRICKS_ALONG * BRICKS_ALONG),
-            );
-            packet.bricks.push(brick_index(along, BRICKS_ALONG * block + within));
+            packet.bricks.push(brick_index(along, BRICKS_ALONG * block + brick_in_block(n)));
             packet.masks.push(mask);
             let places = (0..mask.len()).flat_map(|z| bits(mask[z]).map(move |bit| 64 * z + bit));
             let sums = &sums[CELLS * n..CELLS * (n + 1)];
@@ -182,6 +189,30 @@ impl<'a> BlockWorker<'a> {
         }
         aside.clear();
     }
+
+    /// The same where colours meet.
+    fn write_mixed(&mut self, block: UVec3, colors: &[Vec<[i64; 4]>], packet: &mut Packet) {
+        let Self { job, mixed, .. } = self;
+        let along = bricks_along(job.dims());
+        for n in 0..BRICKS {
+            let words = mixed.marks(n * SIDE as usize..(n + 1) * SIDE as usize);
+            let Ok(mask) = Mask::try_from(words) else { continue };
+            if mask == [0; SIDE as usize] {
+                continue;
+            }
+            packet.bricks.push(brick_index(along, BRICKS_ALONG * block + brick_in_block(n)));
+            packet.masks.push(mask);
+            let places = (0..mask.len()).flat_map(|z| bits(mask[z]).map(move |bit| 64 * z + bit));
+            let cells = places.map(|place| mixed.cell(CELLS * n + place));
+            write_mixed(job.channels, colors, cells, &mut packet.values);
+        }
+        mixed.clear();
+    }
+}
+
+/// The place of brick number `n` in its block.
+fn brick_in_block(n: usize) -> UVec3 {
+    brick_of(UVec3::splat(BRICKS_ALONG), n as u32)
 }
 
 /// A sum with those of the same place that were put aside, which are in order.

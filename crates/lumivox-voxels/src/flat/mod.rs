@@ -1,14 +1,17 @@
-//! Flat triangles, all of one colour, to cells and their values.
+//! Flat triangles, each of one colour, to cells and their values.
 //!
 //! To find the cells of such a triangle takes as long as to sum what it leaves there: an area and an area times a normal
 //! for each cell, as integers, so that no order matters. Most triangles are small. They are looked at once, where they
 //! come in the mesh, and summed in the cells that their neighbours have just been summed in ([`cells`]). Large ones, and
 //! those of meshes where cells have few triangles or neighbours are far apart, are sorted into blocks of 32 x 32 x 32
 //! cells, of which a surface touches few enough that their sums stay in a processor's cache ([`blocks`]). Blocks then
-//! take what both have.
+//! take what both have, and where colours meet in a block they take one after the other ([`mixed`]). Triangles are sorted
+//! by colour beforehand ([`colors`]), so that a chunk has one.
 
 mod blocks;
 mod cells;
+mod colors;
+mod mixed;
 
 use glam::{DVec3, IVec3};
 
@@ -22,6 +25,7 @@ use crate::surface::{Face, FlatFace};
 pub(crate) use blocks::{BLOCK_SHIFT, BlockWorker, Part};
 use cells::CellSums;
 pub(crate) use cells::{BrickSums, SumList};
+pub(crate) use colors::Colors;
 
 /// Triangles that reach fewer cells than this along each axis are small.
 const SMALL: i32 = 8;
@@ -40,7 +44,8 @@ impl ChunkWorker {
         Self { areas: Areas::default(), sums: CellSums::new(job.dims()) }
     }
 
-    /// As [`binning::bin`](crate::binning::bin), in blocks: sums the small triangles of a chunk, and lists the others.
+    /// As [`binning::bin`](crate::binning::bin), in blocks: sums the small triangles of a chunk, all of one colour, and
+    /// lists the others.
     pub(crate) fn bin(
         &mut self,
         job: &Job<'_>,
@@ -49,7 +54,10 @@ impl ChunkWorker {
         budget: &Budget,
     ) -> Option<Bins> {
         let cells = slab.finer(BLOCK_SHIFT).intersection(&CellBox::of_grid(job.dims()));
-        let face = Face::flat(job, chunk.mesh)?;
+        let order = job.colors.as_ref().and_then(|colors| colors.order(chunk.mesh));
+        let number_of = |n: u32| order.map_or(n, |order| order[n as usize]);
+        let face =
+            Face::plain(job, chunk.mesh, job.material_of(chunk.mesh, number_of(chunk.triangles.start)))?;
         let Self { areas, sums } = self;
         let mut builder = Builder::new(job.along());
         let mut list = SumList::default();
@@ -57,11 +65,12 @@ impl ChunkWorker {
         let mut has_room = budget.has_room_for_sums(0);
         let mut pays = true;
         let mut ahead = Ahead::new();
-        for number in chunk.triangles.clone() {
-            let n = (number - chunk.triangles.start) as usize % AHEAD;
+        for place in chunk.triangles.clone() {
+            let n = (place - chunk.triangles.start) as usize % AHEAD;
             if n == 0 {
-                ahead.fetch(job, chunk.mesh, number..chunk.triangles.end);
+                ahead.fetch(job, chunk.mesh, (place..chunk.triangles.end).map(number_of));
             }
+            let number = number_of(place);
             let flat = &ahead.0[n];
             let Some(reach) = Reached::of(flat.cells) else {
                 skipped += 1;
