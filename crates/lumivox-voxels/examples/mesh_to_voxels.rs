@@ -25,10 +25,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn model(scene: &Scene) -> Model<'_> {
     let meshes = scene.instances.iter().map(|instance| {
         let mesh = &scene.meshes[instance.mesh];
+        // Colours of vertices are looked up at every piece of surface; white ones need not be.
+        let is_tinted = mesh.colors.iter().any(|color| *color != [1.0; 4]);
         MeshView {
             normals: Some(&mesh.normals),
             uvs: Some(&mesh.uvs),
-            colors: Some(&mesh.colors),
+            colors: is_tinted.then_some(&mesh.colors),
             material: MaterialOf::Mesh(mesh.material),
             world_from_local: instance.world_from_local,
             ..MeshView::new(TriangleView { positions: &mesh.positions, indices: &mesh.indices })
