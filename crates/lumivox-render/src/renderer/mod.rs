@@ -11,6 +11,7 @@ mod indirect;
 mod injected_lights;
 mod leaf_shadows;
 mod pictures;
+mod see_through;
 mod settings;
 mod shadowed_lights;
 mod standing;
@@ -315,35 +316,6 @@ impl Renderer {
             expected.set_pose(&self.gpu, pose);
         }
         self.set_lights(&pose.lights);
-    }
-
-    /// Changes the part of the light that a leaf takes, with [`Settings::leaf_shadows`], from the next frame on.
-    pub fn set_leaf_sigma(&mut self, sigma: f32) {
-        if let Some(leaves) = &mut self.leaves {
-            leaves.set_sigma(sigma);
-        }
-    }
-
-    /// Whether any surface leaves a part of a light, with [`Settings::leaf_shadows`].
-    pub fn has_leaf_shadows(&self) -> bool {
-        self.leaves.is_some()
-    }
-
-    /// The kinds of glass, with [`Settings::glass`].
-    pub fn glass(&self) -> &[GlassKind] {
-        self.glass.as_ref().map_or(&[], GlassObjects::kinds)
-    }
-
-    /// What of the scene's glass is not shown as it is described, with [`Settings::glass`].
-    pub fn glass_notes(&self) -> &[GlassNote] {
-        self.glass.as_ref().map_or(&[], GlassObjects::notes)
-    }
-
-    /// Changes a kind of glass by its place in [`Self::glass`], from the next frame on.
-    pub fn set_glass(&mut self, kind: usize, glass: lumivox::refraction::Glass) {
-        if let Some(objects) = &mut self.glass {
-            objects.set_glass(&self.gpu, kind, glass);
-        }
     }
 
     /// Makes the next frame voxelize all triangles anew, as if everything had moved; for measuring.
