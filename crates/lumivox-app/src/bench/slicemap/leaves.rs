@@ -173,9 +173,9 @@ pub(super) fn leaves(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Res
         ];
         let wanted: Vec<f32> = expected.iter().map(|e| e.unwrap_or(0.0)).collect();
         let second = [
-            ("its part of the sun", only(&rastered)),
-            ("its part of the sun", only(&shown)),
-            ("their part of the sun", only(&wanted)),
+            ("sun that is left", only(&rastered)),
+            ("sun that is left", only(&shown)),
+            ("sun that is left", only(&wanted)),
         ];
         let named = |tiles: [(&str, RgbImage); 3]| {
             tiles.map(|(title, picture)| ([tree.name.to_owned(), title.to_owned()], picture)).to_vec()
@@ -189,7 +189,7 @@ pub(super) fn leaves(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Res
     report.say(
         "What is left of the error of many local slices is that of rays in columns: the edge of a leaf, or of a hole in it, that lies between a place and \
          the middle of its column; a shadow map has it too. Fewer slices are brighter, since leaves that share a cell count as one. Uniform \
-         slices lie along the whole scene, where the crown has a part of them: pixel by pixel they are no better than a shadow map.",
+         slices lie along the whole scene, where the crown has a part of them, so they are the brightest of their number.",
     );
     Ok(())
 }
