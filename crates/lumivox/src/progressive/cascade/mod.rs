@@ -7,6 +7,12 @@
 //!
 //! Whoever asks for a point gets the finest level whose window contains it, or a blend that has no seam where levels meet:
 //! shaders by [`cascade_wgsl`], memory by [`CascadeCells`].
+//!
+//! ```wgsl
+//! let cell = lumivox_cascade_find(position);
+//! let around = lumivox_cascade_smooth(position, 1u);
+//! let albedo = around.value.rgb / max(around.coverage, 1e-3);
+//! ```
 
 mod cells;
 
