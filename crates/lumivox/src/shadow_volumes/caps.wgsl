@@ -9,14 +9,19 @@
 @group(0) @binding(5) var<storage, read_write> lists: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> primitives: array<u32>;
 
-// All rays of a parallel view end in one point at infinity: whether a cap there holds it.
+// Whether a direction passes an edge of a cone on its inner side. Both triangles of an edge compute one and the same number, and exactly
+// one of them holds what lies on the edge itself.
+fn passes(a: u32, b: u32, along: vec3f) -> bool {
+    let first = away_from_light(vertices[min(a, b)].xyz);
+    let second = away_from_light(vertices[max(a, b)].xyz);
+    return (dot(cross(first, second), along) < 0.0) == (a < b);
+}
+
+// All rays of a parallel view end in one point at infinity: whether a cap there holds it. The corners are those of a triangle that faces
+// the light.
 fn holds_view(corners: vec4u) -> bool {
     let along = volume.distance.xyz;
-    let a = away_from_light(vertices[corners.x].xyz);
-    let b = away_from_light(vertices[corners.y].xyz);
-    let c = away_from_light(vertices[corners.z].xyz);
-    let sides = vec3f(dot(cross(a, b), along), dot(cross(b, c), along), dot(cross(c, a), along));
-    return (all(sides >= vec3f(0.0)) || all(sides < vec3f(0.0))) && dot(a + b + c, along) > 0.0;
+    return passes(corners.x, corners.y, along) && passes(corners.y, corners.z, along) && passes(corners.z, corners.x, along);
 }
 
 @compute @workgroup_size(64)

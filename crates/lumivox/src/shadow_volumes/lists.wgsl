@@ -10,12 +10,13 @@
 override EMITS: bool;
 
 // In `lists`: how many triangles each has; where each goes on; how many there were in one list alone; sides in the lists and in
-// one; whether the lists are too long, so that all go into one.
+// one; whether the lists are too long, so that all go into one; sides in any list, each once.
 const CURSORS: u32 = 256u;
 const WHOLE: u32 = 512u;
 const SIDES: u32 = 513u;
 const WHOLE_SIDES: u32 = 514u;
 const TOO_LONG: u32 = 515u;
+const KEPT_SIDES: u32 = 516u;
 
 fn push(list: u32, a: u32, b: u32, c: u32) {
     if !EMITS {
@@ -144,5 +145,6 @@ fn put(caster: u32, corners: vec4u, count: u32, is_side: bool) {
     }
     if EMITS && is_side {
         atomicAdd(&lists[SIDES], times);
+        atomicAdd(&lists[KEPT_SIDES], min(times, 1u));
     }
 }

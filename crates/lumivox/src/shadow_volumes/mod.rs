@@ -8,7 +8,8 @@
 //! | stage | does |
 //! | --- | --- |
 //! | `world` | vertices of all casters to the world |
-//! | `facing` | which triangles the light sees |
+//! | `around` | which casters a lamp may be inside of |
+//! | `facing` | which triangles cast |
 //! | `nets` | how many sides the volume has at each edge |
 //! | `caps`, `sides`, `plan` | lists of the faces, for indirect draws |
 //! | `receivers` | metres to the surface of each pixel |
@@ -17,7 +18,7 @@
 //! | `mask` | where the count is not 0 there is shadow |
 //!
 //! **Which triangles cast.** Where a part of a mesh is closed ([`Topology`]), the triangles that the light sees from outside. Where
-//! it is open, all, each turned so that it faces the light. A volume has a cap at each triangle that casts, one more at infinity, and at each edge
+//! it is open, or a lamp stands within the box around its caster and so may be inside of it, all, each turned so that it faces the light. A volume has a cap at each triangle that casts, one more at infinity, and at each edge
 //! as many sides as casting triangles run along it in one direction more than in the other. So the borders of the caps
 //! are closed whatever the mesh is, and the count of a point is the number of casting triangles between it and the light: never
 //! negative, so that volumes never cancel each other. A closed body counts once for each time that the light enters it, a sheet
@@ -27,8 +28,7 @@
 //! lies behind the surface counts (*z-fail*), so a camera inside of a volume is no special case, and the near plane cuts nothing that counts.
 //!
 //! **Limits.** The stencil has 8 bits: a point behind 256 casting triangles, or another multiple, is lit. Surfaces between
-//! facets that the light just misses are in shadow by whole triangles, however their normals are interpolated. A light inside of a
-//! closed part that faces outward shines through it, since none of its triangles casts.
+//! facets that the light just misses are in shadow by whole triangles, however their normals are interpolated.
 
 mod casters;
 mod culling;
@@ -226,6 +226,7 @@ impl ShadowVolumes {
 
 pub(crate) fn shaders() -> Vec<Shader> {
     let drawing = vec![
+        volumes::AROUND,
         volumes::FACING,
         volumes::NETS,
         volumes::CAPS,

@@ -33,8 +33,7 @@ pub struct VolumeSettings {
     /// Metres behind a surface, along the light, at which its shadow begins: room for what the depth image rounds. More lets light
     /// through where things touch.
     pub bias: f32,
-    /// What is left out of the drawing, in lights that have views. The mask is to stay as it is; of 522,240 pixels of a yard with 515
-    /// casters one did not, for a reason that is not known.
+    /// What is left out of the drawing, in lights that have views. The mask stays as it is.
     pub culling: Option<CullSettings>,
 }
 

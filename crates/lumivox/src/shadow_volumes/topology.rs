@@ -120,13 +120,11 @@ impl Topology {
     }
 
     fn add_edge(&mut self, run: &[([u32; 2], u32)]) {
-        let Some(&(vertices, triangle)) = run.first() else { return };
+        let Some(&(vertices, _)) = run.first() else { return };
         self.edges.push(Edge { vertices, first: self.incidences.len() as u32, count: run.len() as u32 });
         self.incidences.extend(run.iter().map(|(_, triangle)| triangle));
-        let backwards = run.iter().filter(|(_, triangle)| triangle & 1 == 1).count();
-        let is_closed = self.is_closed[triangle as usize / 2];
-        let most = if is_closed { backwards.max(run.len() - backwards) } else { run.len() };
-        self.most_sides += most as u64;
+        // Of closed parts as well: a lamp may get inside.
+        self.most_sides += run.len() as u64;
     }
 }
 
@@ -165,7 +163,7 @@ mod tests {
         let topology = Topology::new(&TriangleView { positions: &positions, indices: &indices });
         assert_eq!((topology.sources.len(), topology.edge_count(), topology.triangle_count()), (4, 6, 4));
         assert!(topology.is_closed() && topology.edges.iter().all(|e| e.count == 2));
-        assert_eq!(topology.most_sides, 6);
+        assert_eq!(topology.most_sides, 12);
     }
 
     #[test]

@@ -8,6 +8,8 @@ use crate::wgsl::linear_groups;
 
 const LISTS: &str = include_str!("lists.wgsl");
 
+pub(super) const AROUND: Shader =
+    Shader { name: "volumes/around", parts: &[VOLUME, include_str!("around.wgsl")] };
 pub(super) const FACING: Shader =
     Shader { name: "volumes/facing", parts: &[VOLUME, include_str!("facing.wgsl")] };
 pub(super) const NETS: Shader = Shader { name: "volumes/nets", parts: &[VOLUME, include_str!("nets.wgsl")] };
@@ -18,7 +20,7 @@ pub(super) const SIDES: Shader =
 pub(super) const PLAN: Shader = Shader { name: "volumes/plan", parts: &[VOLUME, include_str!("plan.wgsl")] };
 
 /// Words of the buffer `lists`.
-const LIST_WORDS: usize = 2 * LISTS_AT_MOST + 4;
+const LIST_WORDS: usize = 2 * LISTS_AT_MOST + 5;
 /// Runs of layers in a binary tree, and one that is none.
 const LISTS_AT_MOST: usize = 2 * MAX_LAYERS as usize;
 
@@ -31,6 +33,8 @@ pub struct VolumeCounts {
     pub kept_casters: u32,
     /// Sides that are drawn, once for each run of layers that they are drawn in.
     pub sides: u32,
+    /// Sides of which anything is drawn, each once.
+    pub kept_sides: u32,
     /// Sides of all volumes.
     pub all_sides: u32,
     /// Triangles of sides and caps that are drawn.
@@ -48,12 +52,14 @@ pub struct VolumeCounts {
 /// The passes, and what lies between them.
 #[derive(Debug)]
 pub(super) struct Volumes {
+    around_pass: ComputePass,
     facing_pass: ComputePass,
     nets_pass: ComputePass,
     /// Counting, emitting.
     caps_passes: [ComputePass; 2],
     sides_passes: [ComputePass; 2],
     plan_pass: ComputePass,
+    around: Buffer,
     pub(super) facing: Buffer,
     pub(super) nets: Buffer,
     lists: Buffer,
@@ -76,11 +82,13 @@ impl Volumes {
         let both =
             |shader: &Shader| [0.0, 1.0].map(|emits| ComputePass::new(gpu, shader, &[("EMITS", emits)]));
         Ok(Self {
+            around_pass: ComputePass::new(gpu, &AROUND, &[]),
             facing_pass: ComputePass::new(gpu, &FACING, &[]),
             nets_pass: ComputePass::new(gpu, &NETS, &[]),
             caps_passes: both(&CAPS),
             sides_passes: both(&SIDES),
             plan_pass: ComputePass::new(gpu, &PLAN, &[]),
+            around: storage("volumes/around", casters.count() as u64)?,
             facing: storage("volumes/facing", casters.triangle_count.into())?,
             nets: storage("volumes/nets", casters.edge_count.into())?,
             lists: storage("volumes/lists", LIST_WORDS as u64)?,
@@ -98,10 +106,18 @@ impl Volumes {
         uniform: &Uniform<VolumeUniform>,
         casters: &Casters,
     ) -> Result<(), GpuError> {
+        encoder.clear_buffer(&self.around.raw, 0, None);
         let bindings = Bindings::new()
             .read("volume", uniform)
             .read("vertices", &casters.vertices)
             .read("triangles", &casters.triangles)
+            .write("around", &mut self.around);
+        self.around_pass.record(gpu, encoder, &bindings, linear_groups(casters.triangle_count))?;
+        let bindings = Bindings::new()
+            .read("volume", uniform)
+            .read("vertices", &casters.vertices)
+            .read("triangles", &casters.triangles)
+            .read("around", &self.around)
             .write("facing", &mut self.facing);
         self.facing_pass.record(gpu, encoder, &bindings, linear_groups(casters.triangle_count))?;
         let bindings = Bindings::new()
@@ -165,6 +181,7 @@ impl Volumes {
             sides: word(2 * lists + 1),
             all_sides: word(2 * lists + 2),
             is_too_long: word(2 * lists + 3) != 0,
+            kept_sides: word(2 * lists + 4),
             ..VolumeCounts::default()
         })
     }

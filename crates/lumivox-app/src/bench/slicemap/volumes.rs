@@ -88,7 +88,7 @@ pub(super) fn volumes(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Re
     report.head("Shadow volumes: culling and clamping");
     report.say(&format!(
         "A yard of {} casters ({} triangles: posts, balls over them, a wall, a roof over half of it) in a picture of {} x {}, {} layers, views of the \
-         light of {} texels a side (a lamp has six). Quads are sides of volumes that are drawn, once for each run of layers that they are kept in; filled pixels are \
+         light of {} texels a side (a lamp has six). Quads are sides of volumes that are kept; draws of them are more, one for each run of layers that a side is kept in; filled pixels are \
          all fragments of sides and caps, counted one by one. *Differing pixels* compares the mask with that of all volumes. Milliseconds are of everything from \
          meshes and depth image to the mask.",
         yard.casters(),
@@ -125,8 +125,9 @@ fn table(
         let (counts, all) = (drawn.counts, whole.counts);
         let values = [
             ("casters drawn", f64::from(counts.kept_casters), ""),
-            ("quads", f64::from(counts.sides), ""),
-            ("quads saved", saved(counts.sides, all.sides), "%"),
+            ("quads", f64::from(counts.kept_sides), ""),
+            ("quads saved", saved(counts.kept_sides, all.kept_sides), "%"),
+            ("draws of quads", f64::from(counts.sides), ""),
             ("filled pixels", f64::from(counts.fragments), ""),
             ("filled pixels saved", saved(counts.fragments, all.fragments), "%"),
             ("differing pixels", differing as f64, ""),
@@ -138,8 +139,9 @@ fn table(
         lines.push(vec![
             name.to_owned(),
             counts.kept_casters.to_string(),
+            thousands(f64::from(counts.kept_sides)),
+            format!("{:.1}", saved(counts.kept_sides, all.kept_sides)),
             thousands(f64::from(counts.sides)),
-            format!("{:.1}", saved(counts.sides, all.sides)),
             thousands(f64::from(counts.fragments)),
             format!("{:.1}", saved(counts.fragments, all.fragments)),
             differing.to_string(),
@@ -147,8 +149,17 @@ fn table(
         ]);
         plain.get_or_insert(drawn);
     }
-    let header =
-        ["culled by", "casters", "quads", "saved, %", "filled pixels", "saved, %", "differing pixels", "ms"];
+    let header = [
+        "culled by",
+        "casters",
+        "quads",
+        "saved, %",
+        "draws of quads",
+        "filled pixels",
+        "saved, %",
+        "differing pixels",
+        "ms",
+    ];
     report.table(&header.map(str::to_owned), &lines);
     Ok(())
 }

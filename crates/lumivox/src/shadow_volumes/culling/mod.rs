@@ -19,7 +19,7 @@
 //! *ideal* algorithm, or asked by an occlusion query for each caster and layer, its *practical* one. Both keep the same.
 //!
 //! All of it errs on the side of keeping: texels are touched as a whole, an eighth of a texel around them too. So a pixel differs from that
-//! without culling only where a volume's border is off by as much.
+//! without culling only where a volume's border is off by as much, or where a volume is counted that the pixel is not in.
 
 mod queries;
 mod stages;

@@ -28,7 +28,7 @@ pub(super) const TESTS: &[Test] = &[
 const SIZE: UVec2 = UVec2::new(150, 100);
 
 /// All that the light shines on here.
-fn lit(light: &VolumeLight) -> Vec<View> {
+pub(super) fn lit(light: &VolumeLight) -> Vec<View> {
     match *light {
         VolumeLight::Directional { direction } => {
             let along = direction.normalize_or_zero();
@@ -128,6 +128,8 @@ fn no_pixel_differs(labs: &Labs) -> Result<(), Failed> {
             assert_eq!(pixels, 0, "{rule:?}, {light:?}, {view:?}");
             let (own, whole) = (shown.counts, expected.counts);
             assert!(!own.is_too_long && own.all_sides == whole.sides && own.all_triangles == whole.triangles);
+            assert!(whole.kept_sides == whole.sides && own.kept_sides < whole.sides, "{own:?}, {whole:?}");
+            assert!(0 < own.kept_sides && own.kept_sides <= own.sides);
             assert!(own.fragments <= whole.fragments && own.updates <= whole.updates, "{own:?}, {whole:?}");
             saved += whole.fragments - own.fragments;
         }

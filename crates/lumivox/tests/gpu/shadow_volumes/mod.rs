@@ -1,5 +1,6 @@
 //! Shadow volumes against shadow rays in double precision, and culled ones against all.
 
+mod counts;
 mod culling;
 mod stage;
 
@@ -13,12 +14,13 @@ use crate::{Labs, Test};
 use stage::{BIAS, Stage, mask, reference, things};
 
 pub(crate) fn tests() -> Vec<Test> {
-    [TESTS, culling::TESTS].concat()
+    [TESTS, counts::TESTS, culling::TESTS].concat()
 }
 
 const TESTS: &[Test] = &[
     ("shadow volumes: shadows are those of rays", rays),
     ("shadow volumes: a camera in a shadow sees as any other", in_shadow),
+    ("shadow volumes: a lamp inside of a closed box shines no farther", inside),
     ("shadow volumes: what does not fit is refused with numbers", refused),
 ];
 
@@ -96,6 +98,27 @@ fn in_shadow(labs: &Labs) -> Result<(), Failed> {
     for light in lights() {
         let shadowed = compare(labs, &stage, &light)?;
         assert!((500..5000).contains(&shadowed), "{shadowed}");
+    }
+    Ok(())
+}
+
+fn inside(labs: &Labs) -> Result<(), Failed> {
+    let VolumeLight::Point { position } = lights()[1] else { return Ok(()) };
+    let boxed = |size: Vec3| crate::voxelize::soups::cuboid(position - size, position + 0.8 * size);
+    let ball = |at: Vec3, radius: f32| crate::voxelize::soups::sphere(at, radius, 2);
+    // A box around the lamp alone; one around all, seen from within; and a ball, and one the corner of whose box holds the lamp.
+    let cases = [
+        (boxed(Vec3::splat(0.6)), views()[0], 2500),
+        (boxed(Vec3::splat(16.0)), views()[1], 300),
+        (ball(position, 1.0), views()[2], 2500),
+        (ball(position - 0.65, 1.0), views()[0], 300),
+    ];
+    for (seed, (around, view, least)) in (40..).zip(cases) {
+        let mut soups = things(seed, 12);
+        soups.push(around);
+        let stage = Stage { soups, view, size: SIZE };
+        let shadowed = compare(labs, &stage, &VolumeLight::Point { position })?;
+        assert!(shadowed > least, "{shadowed}");
     }
     Ok(())
 }

@@ -43,20 +43,18 @@ impl Stage {
     }
 
     pub(crate) fn triangles(&self) -> Triangles {
-        let corners = |soup: &Soup| -> Triangles {
-            let place = |i: u32| DVec3::from(soup.positions[i as usize].map(f64::from));
-            soup.indices.iter().map(|t| t.map(place)).collect()
-        };
         self.soups.iter().flat_map(corners).collect()
     }
 
     /// What each pixel shows, if anything.
     pub(crate) fn seen(&self) -> Vec<Option<Seen>> {
-        let triangles = self.triangles();
+        let bodies: Vec<_> = self.soups.iter().map(|soup| Body::new(corners(soup))).collect();
         let pixels = (0..self.size.y).flat_map(|y| (0..self.size.x).map(move |x| UVec2::new(x, y)));
         let look = |pixel: UVec2| {
             let (start, along) = ray(&self.view, ndc_of_texel(pixel, self.size));
-            let hits = triangles.iter().filter_map(|t| Some((hit(t, start, along)?, t)));
+            let near =
+                bodies.iter().filter(|body| body.is_near(start, along)).flat_map(|body| &body.triangles);
+            let hits = near.filter_map(|t| Some((hit(t, start, along)?, t)));
             let (t, triangle) =
                 hits.filter(|(t, _)| (0.0..=1.0).contains(t)).min_by(|a, b| a.0.total_cmp(&b.0))?;
             let point = start + t * along;
@@ -92,6 +90,32 @@ impl Stage {
         let bytes = lumivox::bytemuck::cast_slice(&depths);
         gpu.queue.write_texture(texture.raw.as_image_copy(), bytes, layout, texture.raw.size());
         Ok(texture)
+    }
+}
+
+fn corners(soup: &Soup) -> Triangles {
+    let place = |i: u32| DVec3::from(soup.positions[i as usize].map(f64::from));
+    soup.indices.iter().map(|t| t.map(place)).collect()
+}
+
+/// Triangles, and a ball around them.
+struct Body {
+    triangles: Triangles,
+    center: DVec3,
+    radius: f64,
+}
+
+impl Body {
+    fn new(triangles: Triangles) -> Self {
+        let points = triangles.as_flattened();
+        let center = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+        let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
+        Self { triangles, center, radius: 1.000_001 * radius }
+    }
+
+    /// Whether a line meets the ball.
+    fn is_near(&self, start: DVec3, along: DVec3) -> bool {
+        (self.center - start).cross(along).length() <= self.radius * along.length()
     }
 }
 
