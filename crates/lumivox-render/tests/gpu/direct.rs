@@ -21,6 +21,9 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("a sun's shadow is black and lies where it must", |gpu| check(gpu, SUN, Some(SHADE))),
     ("a point light's shadow is black and lies where it must", |gpu| check(gpu, POINT, Some(SHADE))),
     ("a spot light's shadow is black and lies where it must", |gpu| check(gpu, SPOT, Some(SHADE))),
+    ("a sun's shadow by volumes is black and sharp", |gpu| check_sharp(gpu, SUN)),
+    ("a point light's shadow by volumes is black and sharp", |gpu| check_sharp(gpu, POINT)),
+    ("a spot light's shadow by volumes is black and sharp", |gpu| check_sharp(gpu, SPOT)),
     ("lights add up", lights_add_up),
 ];
 
@@ -53,6 +56,8 @@ const SHADE: (Vec3, f32) = (Vec3::new(0.1, 0.8, 0.0), 0.9);
 /// The filter of a shadow's edge reaches three texels of the shadow map, pushed apart by what lies between; points nearer
 /// to an edge, in metres on the plane, are not judged.
 const EDGE: f32 = 0.09;
+/// Shadow volumes have none, so that a pixel's place is all that is not exact.
+const SHARP_EDGE: f32 = 0.01;
 /// Nor are those as near, in radians, to the end of a spot's cone, where the relative error of any number is unbounded.
 const CONE_EDGE: f32 = 0.02;
 
@@ -96,10 +101,19 @@ fn shadow_ray(light: &Light, p: Vec3) -> Ray {
 }
 
 fn check(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>) -> Result<(), Failed> {
-    check_with(gpu, light, shade, small().shadow_size)
+    check_with(gpu, light, shade, (small(), EDGE))
 }
 
-fn check_with(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>, shadow_size: u32) -> Result<(), Failed> {
+fn check_sharp(gpu: &Gpu, light: Light) -> Result<(), Failed> {
+    check_with(gpu, light, Some(SHADE), (Settings { volume_shadows: true, ..small() }, SHARP_EDGE))
+}
+
+fn check_with(
+    gpu: &Gpu,
+    light: Light,
+    shade: Option<(Vec3, f32)>,
+    (settings, edge): (Settings, f32),
+) -> Result<(), Failed> {
     let mut scene = Scene { lights: vec![light], ..Scene::default() };
     let plane = Quad::level(Vec3::ZERO, PLANE_SIDE);
     add(&mut scene, Material::matte("plane", ALBEDO), &[plane]);
@@ -107,22 +121,22 @@ fn check_with(gpu: &Gpu, light: Light, shade: Option<(Vec3, f32)>, shadow_size: 
     if let Some(shade) = shade {
         add(&mut scene, Material::matte("shade", Vec3::splat(0.2)), &[shade]);
     }
-    let settings = Settings { layer: Layer::Direct, shadow_size, ..small() };
+    let settings = Settings { layer: Layer::Direct, ..settings };
     let seen = picture(gpu, &scene, &camera(), settings)?;
 
     let (mut lit, mut dark, mut faults) = (0, 0, Vec::new());
     for (n, ray) in rays(&camera(), settings.size).into_iter().enumerate() {
         let Some((distance, inside)) = ray.meets(plane.corner, plane.u, plane.v) else { continue };
         let p = ray.origin + distance * ray.direction;
-        let hidden = |q: Quad| ray.meets(q.corner, q.u, q.v).is_some_and(|(_, inside)| inside > -EDGE);
-        if inside < EDGE || shade.is_some_and(hidden) {
+        let hidden = |q: Quad| ray.meets(q.corner, q.u, q.v).is_some_and(|(_, inside)| inside > -edge);
+        if inside < edge || shade.is_some_and(hidden) {
             continue;
         }
         let Some(mut expected) = closed_form(&light, p) else { continue };
         if let Some(shade) = shade
             && let Some((_, inside)) = shadow_ray(&light, p).meets(shade.corner, shade.u, shade.v)
         {
-            if inside.abs() < EDGE {
+            if inside.abs() < edge {
                 continue;
             }
             if inside > 0.0 {
@@ -154,7 +168,12 @@ fn point_lights(gpu: &Gpu) -> Result<(), Failed> {
     for (n, shadow_size) in [(0, 1024), (1, 64), (3, 128), (5, 256), (7, 512)] {
         let n = n as f32;
         let position = Vec3::new(0.17 * n - 0.6, 0.35 + 0.07 * n, 0.5 - 0.11 * n);
-        let checked = check_with(gpu, Light::Point { position, intensity: Vec3::ONE }, None, shadow_size);
+        let checked = check_with(
+            gpu,
+            Light::Point { position, intensity: Vec3::ONE },
+            None,
+            (Settings { shadow_size, ..small() }, EDGE),
+        );
         checked.map_err(|e| format!("map of {shadow_size}: {}", e.message().unwrap_or_default()))?;
     }
     Ok(())

@@ -24,6 +24,7 @@ mod scenes;
 mod see_through;
 mod standing;
 mod triangles;
+mod volumes;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -67,10 +68,12 @@ fn main() -> ExitCode {
         .collect();
     let assets_required = is_set("LUMIVOX_REQUIRE_ASSETS");
     let assets = std::env::var_os("LUMIVOX_ASSETS").map(PathBuf::from).filter(|p| p.is_dir());
-    trials.extend(moving::WITH_ASSETS.iter().map(|&(name, check)| match (gpu.clone(), assets.clone()) {
-        (Ok(gpu), Some(assets)) => Trial::test(name, move || check(&gpu, &assets)),
-        (Err(reason), _) => unable(name, reason, gpu_required),
-        (_, None) => unable(name, "needs LUMIVOX_ASSETS".to_owned(), assets_required),
+    trials.extend(moving::WITH_ASSETS.iter().chain(volumes::WITH_ASSETS).map(|&(name, check)| {
+        match (gpu.clone(), assets.clone()) {
+            (Ok(gpu), Some(assets)) => Trial::test(name, move || check(&gpu, &assets)),
+            (Err(reason), _) => unable(name, reason, gpu_required),
+            (_, None) => unable(name, "needs LUMIVOX_ASSETS".to_owned(), assets_required),
+        }
     }));
     libtest_mimic::run(&arguments, trials).exit_code()
 }

@@ -135,7 +135,7 @@ fn moving_lamp(gpu: &Gpu) -> Result<(), Failed> {
     Ok(())
 }
 
-fn load(path: &Path) -> Result<Scene, Failed> {
+pub(crate) fn load(path: &Path) -> Result<Scene, Failed> {
     Ok(lumivox_scene::load(&path.display().to_string())?)
 }
 
