@@ -22,6 +22,7 @@ mod pictures;
 mod pixels;
 mod see_through;
 mod support;
+mod volumes;
 mod voxel_colors;
 mod voxel_files;
 mod voxel_nasty;
@@ -48,6 +49,7 @@ const ANYWHERE: &[(&str, Check)] = &[
     ("field names what is wrong", field::wrong_arguments),
     ("field bakes, draws, checks and reads", field::baked),
     ("field cuts what is elongated into several spheres", field::several_spheres),
+    ("shadows by volumes are asked for by their name", volumes::wrong_arguments),
     ("slices, leaves and glass name what is wrong", see_through::wrong_arguments),
     ("voxelize names what is wrong before it begins", voxelize::wrong_arguments),
     ("voxelize writes the same cells in every format", voxelize::formats),
@@ -106,6 +108,7 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("pictures by visibility fields", field::pictures),
     ("slices of fronts and backs, parallel, and of a moment", see_through::slices),
     ("leaves leave a part of the light", see_through::leaves),
+    ("shadows by volumes are those of maps, but for borders", volumes::pictures),
     ("glass has a thickness, and tells what it is not", see_through::glass),
     ("info tells adapters and limits", others::info),
     ("voxelize on a GPU has the exact cells, but for margins", voxelize_gpu::coverages),
