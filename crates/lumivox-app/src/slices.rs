@@ -114,13 +114,16 @@ pub(crate) fn run(args: &SlicesArgs) -> Result<()> {
     output::check_apart(&[&args.scene], &[&args.output])?;
     let mut scene = lumivox_scene::load(&args.scene)?;
     stats::warn_of_import(&scene);
+    if scene.triangle_count() == 0 {
+        bail!("{}: there are no triangles to cut", args.scene);
+    }
     let clip = chosen_clip(&scene, &args.scene, args.clip.as_ref())?;
     let pose = scene.pose(clip.unwrap_or(usize::MAX), args.time);
     scene.apply(&pose);
     let camera = match (&args.camera, pose.cameras.first()) {
         (Some(camera), _) => Camera::from(*camera),
         (None, Some(camera)) => camera.clone(),
-        (None, None) => framing::best_camera(&scene, &scene.bounds())?,
+        (None, None) => framing::best_camera(&scene, &scene.bounds()).with_context(|| args.scene.clone())?,
     };
     let settings = SlicemapSettings {
         size,
@@ -147,6 +150,12 @@ pub(crate) fn run(args: &SlicesArgs) -> Result<()> {
             );
         }
         output::write_text(&args.output, &points(&map, args.faces))?;
+    }
+    if filled == 0 {
+        tracing::warn!(
+            "no cell is filled: the camera sees nothing, its triangles lie between the columns (try --conservative), or the scene is so far \
+             from the origin that its triangles fall together"
+        );
     }
     eprintln!("lumivox: {filled} filled cells in {}", args.output.display());
     Ok(())

@@ -80,10 +80,11 @@ fn of_objects(args: &ObjectArgs, layer: LayerArg) -> [(bool, &'static str); 7] {
 }
 
 /// Options of what light comes through.
-fn of_glass_and_leaves(args: &SeeThroughArgs, shadows: ByArg, layer: LayerArg) -> [(bool, &'static str); 6] {
+fn of_glass_and_leaves(args: &SeeThroughArgs, shadows: ByArg, layer: LayerArg) -> [(bool, &'static str); 7] {
     let (leaves, is_seen_through) = (shadows == ByArg::Transmittance, args.glass == GlassArg::Refract);
     let shows_glass = matches!(layer, LayerArg::Final | LayerArg::Thickness);
     [
+        (args.cull_volumes && shadows != ByArg::Volumes, "--cull-volumes is for --shadows volumes"),
         (args.shadow_colors && !leaves, "--shadow-colors is for --shadows transmittance"),
         (
             args.shadow_filter != ShadowFilterArg::Steps && !leaves,

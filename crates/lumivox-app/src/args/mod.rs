@@ -222,7 +222,7 @@ pub(crate) enum ByArg {
     Maps,
     /// Visibility fields.
     Field,
-    /// In the light of suns and spots masked surfaces, such as leaves, let a part through; counted in slicemaps.
+    /// In the light of suns, spots and points masked surfaces, such as leaves, let a part through; counted in slicemaps.
     Transmittance,
     /// Stencil shadow volumes of opaque surfaces in the light of suns, spots and points: sharp at any distance.
     Volumes,

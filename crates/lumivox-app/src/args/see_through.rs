@@ -30,6 +30,9 @@ pub(crate) struct SeeThroughArgs {
     /// With --shadows transmittance light takes the colour of the leaves that it comes through.
     #[arg(long)]
     pub(crate) shadow_colors: bool,
+    /// With --shadows volumes slicemaps find what no pixel needs, which is then not drawn; the picture is the same.
+    #[arg(long)]
+    pub(crate) cull_volumes: bool,
     /// How --shadows transmittance counts the slice that a point lies in.
     #[arg(long, value_enum, default_value = "steps")]
     pub(crate) shadow_filter: ShadowFilterArg,
@@ -84,6 +87,7 @@ impl SeeThroughArgs {
         };
         Settings {
             glass: (self.glass == GlassArg::Refract).then_some(glass),
+            culls_volumes: self.cull_volumes,
             leaf_shadows: settings.leaf_shadows.map(|leaves| lumivox_render::LeafShadowSettings {
                 is_colored: self.shadow_colors,
                 interpolates: self.shadow_filter == ShadowFilterArg::Linear,
@@ -101,12 +105,17 @@ impl SeeThroughArgs {
             || self.environment_only
     }
 
-    /// Warns of what is said of glass and leaves that the scene does not have.
+    /// Warns of what is said of glass and shadows that the scene does not have.
     fn warn_of_nothing(&self, renderer: &Renderer) {
-        let Settings { glass, leaf_shadows, layer, .. } = renderer.settings();
+        let Settings { glass, leaf_shadows, volume_shadows, layer, .. } = renderer.settings();
         let asks = self.speaks_of_glass() || *layer == Layer::Thickness;
         if asks && glass.is_some() && renderer.glass().is_empty() {
             tracing::warn!("the scene has no glass: its options do nothing, and --layer thickness is black");
+        }
+        if *volume_shadows && !renderer.has_volume_shadows() {
+            tracing::warn!(
+                "--shadows volumes does nothing: the scene has no sun, spot or point light, or nothing opaque"
+            );
         }
         if leaf_shadows.is_some() && !renderer.has_leaf_shadows() {
             tracing::warn!(
@@ -119,7 +128,10 @@ impl SeeThroughArgs {
     /// Puts what is said here in place of what the scene says, and warns of glass that is not shown as it is described.
     pub(crate) fn apply(&self, renderer: &mut Renderer, scene: &lumivox_scene::Scene) {
         self.warn_of_nothing(renderer);
-        let name = |material: usize| scene.materials.get(material).map_or("", |m| m.name.as_str());
+        let name = |material: usize| match scene.materials.get(material).map_or("", |m| m.name.as_str()) {
+            "" => format!("number {material}"),
+            name => format!("'{name}'"),
+        };
         for GlassNote { material, issue } in renderer.glass_notes() {
             let what = match *issue {
                 GlassIssue::Open { edges } => format!(
@@ -132,10 +144,10 @@ impl SeeThroughArgs {
                     format!("has {meshes} meshes whose faces look inward: they are shown turned round")
                 }
                 GlassIssue::LooksLike { material } => {
-                    format!("is shown like '{}': a picture has four kinds of glass", name(material))
+                    format!("is shown like {}: a picture has four kinds of glass", name(material))
                 }
             };
-            tracing::warn!("glass '{}' {what}", name(*material));
+            tracing::warn!("glass {} {what}", name(*material));
         }
         for (n, kind) in renderer.glass().to_vec().into_iter().enumerate() {
             let mut glass = kind.glass;

@@ -196,9 +196,7 @@ impl Renderer {
             .flatten();
         let volumes = settings
             .volume_shadows
-            .then(|| {
-                VolumeShadows::new(gpu, [scene, &panels], uploaded, &for_picture, (&bounds, settings.size))
-            })
+            .then(|| VolumeShadows::new(gpu, [scene, &panels], uploaded, &for_picture, (&bounds, &settings)))
             .transpose()?
             .flatten();
         let shade = |source: Option<usize>| match (&objects, &leaves, &volumes, source) {

@@ -1,4 +1,4 @@
-//! What is asked of a renderer about what light comes through: leaves and glass.
+//! What is asked of a renderer about what light comes through, or does not: leaves, glass and shadow volumes.
 
 use lumivox::refraction::Glass;
 
@@ -16,6 +16,11 @@ impl Renderer {
     /// Whether any surface leaves a part of a light, with [`Settings::leaf_shadows`](crate::Settings::leaf_shadows).
     pub fn has_leaf_shadows(&self) -> bool {
         self.leaves.is_some()
+    }
+
+    /// Whether any light has shadow volumes, with [`Settings::volume_shadows`](crate::Settings::volume_shadows).
+    pub fn has_volume_shadows(&self) -> bool {
+        self.volumes.is_some()
     }
 
     /// The kinds of glass, with [`Settings::glass`](crate::Settings::glass).

@@ -117,10 +117,13 @@ pub struct Settings {
     pub light_radius: f32,
     /// Whether all surfaces are polished: what they mirror of objects with visibility fields is looked up in these.
     pub polish: Option<Polish>,
-    /// Whether masked surfaces let a part of the light of suns and spots through, and how much.
+    /// Whether masked surfaces let a part of the light of suns, spots and points through, and how much.
     pub leaf_shadows: Option<LeafShadowSettings>,
     /// Whether opaque surfaces throw the shadows of suns, spots and points by shadow volumes in place of maps: sharp at any distance.
     pub volume_shadows: bool,
+    /// Whether slicemaps tell which of them no visible surface needs, and these are left out. The picture is the same. Pays where filling
+    /// pixels is dear; a software driver takes longer to find out than to draw.
+    pub culls_volumes: bool,
     /// Whether materials of glass are seen through, and how; else they are surfaces like any other. Takes the place of the picture's last
     /// stage in [`Layer::Final`].
     pub glass: Option<GlassSettings>,
@@ -187,6 +190,7 @@ impl Default for Settings {
             polish: None,
             leaf_shadows: None,
             volume_shadows: false,
+            culls_volumes: false,
             glass: None,
             layer: Layer::Final,
             roughness: 0.4,

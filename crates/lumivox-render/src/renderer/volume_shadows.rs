@@ -3,7 +3,7 @@
 //! Opaque surfaces are left out of such a light's shadow maps, and what comes through these is multiplied by a mask. Masked
 //! surfaces, whose holes a volume cannot have, stay in the maps.
 
-use glam::{Mat4, UVec2};
+use glam::Mat4;
 use lumivox::core::{Bounds, TriangleView, View};
 use lumivox::gpu::{Gpu, GpuError, StageTimer, Texture};
 use lumivox::progressive::ViewInput;
@@ -11,7 +11,7 @@ use lumivox::shadow_volumes::{CullSettings, ShadowVolumes, Topology, VolumeLight
 use lumivox::voxelize::Mesh;
 use lumivox_scene::{AlphaMode, Scene};
 
-use super::RendererError;
+use super::{RendererError, Settings};
 use crate::gpu_scene::GpuScene;
 use crate::lights::{self, LightSample, ViewShape};
 use crate::material_textures::MaterialTextures;
@@ -38,7 +38,7 @@ impl VolumeShadows {
         scenes: [&Scene; 2],
         (gpu_scene, textures): (&GpuScene, &MaterialTextures),
         samples: &[LightSample],
-        (bounds, size): (&Bounds, UVec2),
+        (bounds, settings): (&Bounds, &Settings),
     ) -> Result<Option<Self>, RendererError> {
         let sources: Vec<usize> =
             samples.iter().filter(|s| has_volumes(s)).filter_map(|sample| sample.source).collect();
@@ -59,8 +59,11 @@ impl VolumeShadows {
         let topologies: Vec<_> = scene.meshes.iter().map(topology).collect();
         let of_instances: Vec<_> =
             meshes.iter().map(|(n, _)| &topologies[scene.instances[*n].mesh]).collect();
-        let culling = Some(CullSettings::default());
-        let settings = VolumeSettings { size, bias: BIAS * bounds.size().length(), culling };
+        let settings = VolumeSettings {
+            size: settings.size,
+            bias: BIAS * bounds.size().length(),
+            culling: settings.culls_volumes.then(CullSettings::default),
+        };
         let volumes = ShadowVolumes::new(gpu, &of_instances, sources.len(), settings)?;
         Ok(Some(Self { meshes, sources, volumes }))
     }

@@ -29,6 +29,8 @@ pub const EXTENSIONS: &[&str] = &[".glb", ".gltf", ".obj", ".ply", ".stl", ".off
 
 /// Albedo of a mesh whose file says nothing about its surface.
 const DEFAULT_ALBEDO: f32 = 0.8;
+/// Name of the material of files that name none.
+const DEFAULT_MATERIAL: &str = "default";
 
 /// Loads `"builtin:NAME"`, `"builtin:NAME:DETAIL"` (0 to 4) or a file, within the default [`Limits`].
 ///
@@ -154,7 +156,7 @@ fn single(
 
 /// The surface of a file that names none; where vertices have colours, these alone count.
 fn default_material(has_colors: bool) -> Material {
-    Material::matte("default", Vec3::splat(if has_colors { 1.0 } else { DEFAULT_ALBEDO }))
+    Material::matte(DEFAULT_MATERIAL, Vec3::splat(if has_colors { 1.0 } else { DEFAULT_ALBEDO }))
 }
 
 /// Cuts a polygon into triangles around its first corner; fewer than three corners make none.

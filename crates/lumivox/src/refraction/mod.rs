@@ -28,8 +28,8 @@
 //! Where a surface is so bumpy that the ways of neighboring pixels look far apart, it is blurred by as much, as a look-up in a texture with levels
 //! is: else scans are speckled.
 //!
-//! **Beyond the paper.** It looks into an environment alone. Here the picture of what is opaque behind comes first, and the environment
-//! where the bent ray leaves it; [`RefractionSettings::uses_picture`] turns that off. What glass mirrors by Fresnel's law is added.
+//! **Beyond the paper.** It looks into an environment alone. Here the picture of what is opaque behind comes first: the bent ray
+//! looks for what it meets there, step by step in the depth of the picture. The environment comes where it leaves the picture; [`RefractionSettings::uses_picture`] turns that off. What glass mirrors by Fresnel's law is added.
 //!
 //! **Limits.** Things have to be closed, and their faces have to look outward: [`open_edges`](lumivox_core::open_edges) and the sign of the
 //! volume tell. An open one should be [`Glass::is_thin`], which is seen through without thickness, from both sides. Glass inside of glass of the same kind counts once. A second glass behind the first takes light and

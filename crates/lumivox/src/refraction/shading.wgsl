@@ -37,8 +37,12 @@ struct RefractionUniform {
 const PI: f32 = 3.1415927;
 // Rays are bent by at most so many times the refraction at the first surface.
 const MOST_BENT: f32 = 4.0;
-// How often a ray looks how far away is what it sees.
-const LOOKS: u32 = 3u;
+// A ray looks what it meets at every so many pixels, or less often where it would be too often.
+const STEP: f32 = 4.0;
+const MOST_STEPS: u32 = 64u;
+const HALVINGS: u32 = 5u;
+// What a ray meets is at most so deep, as a part of its way.
+const THICKNESS: f32 = 0.05;
 // Pictures fade into the environment over this share of their size.
 const BORDER: f32 = 0.04;
 
@@ -111,28 +115,108 @@ fn place_along(start: vec3f, d: vec3f, reach: f32) -> vec4f {
     return view.clip_from_world * vec4f(start + reach * d, 1.0);
 }
 
-// How far a ray goes until it meets what the picture shows.
-fn reach_along(texel: vec2u, start: vec3f, d: vec3f, way: vec3f) -> f32 {
-    // As far as what is straight behind.
-    var reach = -1.0;
-    let behind_depth = textureLoad(depth, texel, 0).r;
-    if behind_depth != view.far_depth {
-        reach = max(dot(world_from_texel(view, texel, behind_depth) - start, way), 0.0);
-    }
-    // Then as far as what is found there, so that edges behind the pixel do not show where its ray goes elsewhere.
-    for (var n = 0u; n < LOOKS; n++) {
-        let clip = place_along(start, d, reach);
-        if clip.w <= 0.0 {
-            break;
-        }
-        let place = saturate(uv_from_ndc(clip.xy / clip.w));
-        let found = min(vec2u(place * vec2f(view.size)), view.size - 1u);
-        let found_depth = textureLoad(depth, found, 0).r;
-        if found_depth != view.far_depth {
-            reach = max(dot(world_from_texel(view, found, found_depth) - start, d), 0.0);
+// How far a ray can go in the picture, between the near and the far plane; below zero without end, and zero if it begins outside.
+fn reach_inside(a: vec4f, e: vec4f) -> f32 {
+    var least = -1.0;
+    // Sides of the picture, then the planes; what is inside is not below zero.
+    let here = array<vec3f, 2>(vec3f(a.w + a.xy, a.z), vec3f(a.w - a.xy, a.w - a.z));
+    let change = array<vec3f, 2>(vec3f(e.w + e.xy, e.z), vec3f(e.w - e.xy, e.w - e.z));
+    for (var side = 0u; side < 2u; side++) {
+        for (var axis = 0u; axis < 3u; axis++) {
+            if here[side][axis] < 0.0 {
+                return 0.0;
+            }
+            if change[side][axis] < 0.0 {
+                let reach = -here[side][axis] / change[side][axis];
+                least = select(min(least, reach), reach, least < 0.0);
+            }
         }
     }
-    return reach;
+    return least;
+}
+
+// A ray on its way through the picture: normalized device coordinates of both ends, between which it is straight.
+struct Path {
+    first: vec3f,
+    to: vec3f,
+    // Metres between the ends, below zero without end, and what they are divided by at the ends.
+    reach: f32,
+    w: vec2f,
+}
+
+fn world_from_ndc(place: vec3f) -> vec3f {
+    let world = view.world_from_clip * vec4f(place, 1.0);
+    return world.xyz / world.w;
+}
+
+fn metres_at(path: Path, s: f32) -> f32 {
+    if path.reach < 0.0 {
+        return s * path.w.x / max((1.0 - s) * path.w.y, 1e-20);
+    }
+    let after = s * path.w.x;
+    return path.reach * after / max(after + (1.0 - s) * path.w.y, 1e-20);
+}
+
+fn found_depth(place: vec3f) -> f32 {
+    let found = vec2u(saturate(uv_from_ndc(place.xy)) * vec2f(view.size));
+    return textureLoad(depth, min(found, view.size - 1u), 0).r;
+}
+
+// Whether a place is behind what the picture shows there.
+fn is_behind(place: vec3f) -> bool {
+    let found = found_depth(place);
+    return found != view.far_depth && select(place.z > found, place.z < found, view.far_depth == 0.0);
+}
+
+// How far a ray goes until it meets what the picture shows, below zero for ever. It looks at places a few pixels apart, one after the other,
+// so that neighboring rays find the same thing.
+fn reach_along(start: vec3f, d: vec3f) -> f32 {
+    let a = view.clip_from_world * vec4f(start, 1.0);
+    let e = view.clip_from_world * vec4f(d, 0.0);
+    let end = reach_inside(a, e);
+    if end == 0.0 {
+        return 0.0;
+    }
+    var path: Path;
+    var last = a + max(end, 0.0) * e;
+    if end < 0.0 {
+        last = e;
+    }
+    path.first = a.xyz / max(a.w, 1e-20);
+    path.to = last.xyz / max(last.w, 1e-20);
+    path.reach = end;
+    path.w = vec2f(a.w, last.w);
+    if is_behind(path.first) {
+        return 0.0;
+    }
+    let pixels = length(0.5 * (path.to.xy - path.first.xy) * vec2f(view.size));
+    let steps = clamp(u32(ceil(pixels / STEP)), 1u, MOST_STEPS);
+    var was_behind = false;
+    for (var n = 1u; n <= steps; n++) {
+        let is_here = is_behind(mix(path.first, path.to, f32(n) / f32(steps)));
+        if is_here && !was_behind {
+            var before = f32(n - 1u) / f32(steps);
+            var after = f32(n) / f32(steps);
+            for (var halving = 0u; halving < HALVINGS; halving++) {
+                let middle = 0.5 * (before + after);
+                if is_behind(mix(path.first, path.to, middle)) {
+                    after = middle;
+                } else {
+                    before = middle;
+                }
+            }
+            // What it passes behind stands nearer by more than it went in a step, and is not what it meets.
+            let place = mix(path.first, path.to, after);
+            let found = world_from_ndc(vec3f(place.xy, found_depth(place)));
+            let metres = metres_at(path, after);
+            let gap = distance(found, start + metres * d);
+            if gap <= THICKNESS * metres + (metres - metres_at(path, f32(n - 1u) / f32(steps))) {
+                return metres;
+            }
+        }
+        was_behind = is_here;
+    }
+    return end;
 }
 
 // What a ray sees that is at a place of the picture: the picture, else the environment. `spread` is how far apart the places and the ways of
@@ -257,7 +341,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         left *= passes;
         blur += glass_k.frost * look.metres[k];
     }
-    let reach = reach_along(texel, look.start, look.bent, look.way);
+    let reach = reach_along(look.start, look.bent);
     let clip = place_along(look.start, look.bent, reach);
     let spread = spread_of(texel, look, clip, reach);
     var shown = left * seen_along(clip, look.bent, blur, spread.xy) + lost;

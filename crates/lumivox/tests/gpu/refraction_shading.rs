@@ -1,7 +1,7 @@
 //! What is seen through glass: the power law, frost, bending, and nothing where there is nothing.
 
 use libtest_mimic::Failed;
-use lumivox::glam::{DVec3, UVec2, Vec3};
+use lumivox::glam::{DVec3, Mat4, UVec2, Vec3};
 use lumivox::gpu::{Gpu, Texture, read_texture};
 use lumivox::refraction::{Backdrop, Edge, Glass, PICTURE_FORMAT, Pyramid, Refraction, RefractionSettings};
 use lumivox::voxelize::Mesh;
@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("refraction: glass that does nothing is not seen", nothing),
     ("refraction: a pyramid keeps its mean", pyramid),
     ("refraction: frost blurs by thickness, bending moves what is behind", frost_and_bend),
+    ("refraction: bent ways meet what stands in them", met),
     ("refraction: what bent ways skip between pixels is seen too", spread),
 ];
 
@@ -208,6 +209,54 @@ fn frost_and_bend(labs: &Labs) -> Result<(), Failed> {
     };
     let counts = [white(0.0)?, white(0.4)?, white(2.0)?];
     assert!(counts[0] == 8 && counts[1] <= counts[0] && counts[2] < 5, "{counts:?}");
+    Ok(())
+}
+
+/// A post before a wall, seen through a slab that is turned: the post is where its bent rays meet it, once, and not where straight ones do.
+fn met(labs: &Labs) -> Result<(), Failed> {
+    let gpu = &labs.core.gpu;
+    const TURN: f32 = 0.4;
+    const POST: [f32; 2] = [-0.1, 0.3];
+    let (low, high) = (DVec3::new(f64::from(POST[0]), -2.0, -2.3), DVec3::new(f64::from(POST[1]), 2.0, -2.0));
+    let things = [
+        Thing(Shape::Box { min: low, max: high }, |_| Paint { radiance: DVec3::X, ..Paint::default() }),
+        Thing(Shape::Plane { point: DVec3::new(0.0, 0.0, -3.5), normal: DVec3::Z }, |_| Paint {
+            radiance: DVec3::Y,
+            ..Paint::default()
+        }),
+    ];
+    let mut slab = slab(gpu, [-1.1, 1.1], [-0.5, 0.5])?;
+    slab.set_transform(gpu, &Mat4::from_rotation_y(TURN));
+    let glass = Glass { ior: 2.0, bend: 1.0, ..PLAIN };
+    let found = seen(gpu, &things, &[glass], &[(&slab, 0)], |s| s)?;
+    // Of a ray along z: how thick the slab is, where it begins to look, and where it looks.
+    let normal = Vec3::new(TURN.sin(), 0.0, TURN.cos());
+    let (straight, metres) = (Vec3::NEG_Z, 1.0 / normal.z);
+    let cos_in = (1.0 - (TURN.sin() / glass.ior).powi(2)).sqrt();
+    let refracted = straight / glass.ior + (normal.z / glass.ior - cos_in) * normal;
+    let bent = straight + (glass.bend * metres).min(4.0) * (refracted - straight);
+    let at = |x: f32, z: f32| {
+        let start = (0.5 - normal.x * x) / normal.z - metres;
+        x + (start - z) / -bent.z * bent.x
+    };
+    let meets_post = |x: f32| {
+        let (front, back) = (at(x, -2.0), at(x, -2.3));
+        front.min(back) < POST[1] && front.max(back) > POST[0]
+    };
+    let (mut seen_posts, mut seen_walls) = (0, 0);
+    for x in 6..20 {
+        let place = 0.1 * (x as f32 + 0.5) - 1.2;
+        // In the picture, and where a pixel's width does not matter.
+        let expected = [-0.12, 0.0, 0.12].map(|off| meets_post(place + off));
+        if at(place, -3.5).abs() < 1.0 && expected[0] == expected[1] && expected[1] == expected[2] {
+            let pixel = found[12 * 24 + x];
+            let (post, wall) = if expected[0] { (1.0, 0.0) } else { (0.0, 1.0) };
+            let is_right = (pixel.x - post).abs() < 0.3 && (pixel.y - wall).abs() < 0.3;
+            assert!(is_right, "{pixel} at {place}, where the post is {post}");
+            if expected[0] { seen_posts += 1 } else { seen_walls += 1 }
+        }
+    }
+    assert!(seen_posts > 1 && seen_walls > 3, "{seen_posts} of the post, {seen_walls} of the wall");
     Ok(())
 }
 

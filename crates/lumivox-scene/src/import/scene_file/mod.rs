@@ -18,7 +18,7 @@ use lumivox_core::Bounds;
 
 use super::import_meshes;
 use super::source::Source;
-use super::{DEFAULT_ALBEDO, check_extension};
+use super::{DEFAULT_ALBEDO, DEFAULT_MATERIAL, check_extension};
 use crate::animation::deform::{Binding, Body, Skin};
 use crate::animation::rig::HungInstance;
 use crate::mesh::check_limit;
@@ -153,7 +153,7 @@ impl Loader<'_> {
                     (None, None, Some(block)) => self.shape(first, cuboid(block).map_err(fail)?),
                     _ => return Err(fail("that is not exactly one of file, quad and box".to_owned())),
                 };
-                self.paint(first..self.scene.meshes.len(), entry)
+                self.paint(first..self.scene.meshes.len(), i, entry)
                     .map_err(|why| self.source.malformed(format!("has meshes[{i}] {why}")))?;
                 if entry.close_holes {
                     self.close_holes(first);
@@ -322,7 +322,7 @@ impl Loader<'_> {
     }
 
     /// Applies `albedo`, `emission`, `glass` and `absorber` to the meshes just added.
-    fn paint(&mut self, meshes: Range<usize>, entry: &MeshEntry) -> Result<(), String> {
+    fn paint(&mut self, meshes: Range<usize>, i: usize, entry: &MeshEntry) -> Result<(), String> {
         let albedo = entry.albedo.map(|a| amount(a, "albedo")).transpose()?;
         let emission = entry.emission.map(|e| amount(e, "emission")).transpose()?;
         if albedo.is_some_and(|a| a.max_element() > 1.0) {
@@ -344,6 +344,9 @@ impl Loader<'_> {
             }
             mesh.material = *painted.entry(before).or_insert_with(|| {
                 let mut material = self.scene.materials[before].clone();
+                if material.name.is_empty() || material.name == DEFAULT_MATERIAL {
+                    material.name = format!("meshes[{i}]");
+                }
                 if let Some(albedo) = albedo {
                     material.base_color = albedo.extend(1.0);
                     material.base_color_texture = None;
