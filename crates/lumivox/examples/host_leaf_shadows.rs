@@ -1,17 +1,22 @@
 //! Shadows of leaves in a host: a slicemap of what is thin, in the light's view, beside the shadow map that the host has of what is
 //! opaque.
 //!
-//! The host's own G-buffer is stood in for by textures cleared to nothing. `cargo run -p lumivox --example host_leaf_shadows` records
-//! three frames and says how many cells are filled.
+//! The host's own G-buffer is that of a floor. `cargo run -p lumivox --example host_leaf_shadows` records three frames, and says how many
+//! cells are filled and what is left of the sun on the floor.
 
+mod floor;
+
+use half::f16;
 use lumivox::core::View;
 use lumivox::glam::{Mat4, UVec2, Vec2, Vec3};
-use lumivox::gpu::{AdapterChoice, Gpu, GpuError, Texture, Tier};
+use lumivox::gpu::{AdapterChoice, Gpu, GpuError, Texture, Tier, read_texture};
 use lumivox::light::IRRADIANCE_FORMAT;
 use lumivox::progressive::{InjectionScale, ViewInput, ViewTextures};
 use lumivox::slicemap::{Slicemap, SlicemapSettings, Transmittance, TransmittanceSettings};
 use lumivox::voxelize::{Mesh, MeshDescriptor, VertexView};
 use lumivox::wgpu::{BufferDescriptor, BufferUsages, CommandEncoder, TextureFormat, VertexFormat};
+
+use floor::{Floor, uploaded};
 
 const SIZE: UVec2 = UVec2::new(320, 180);
 
@@ -64,15 +69,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut shadows = LeafShadows::new(&gpu)?;
     let (green, brown) = (leaves(&gpu, 1.0)?, leaves(&gpu, 2.0)?);
     let target = |name, format| Texture::target(&gpu, name, SIZE.to_array(), format);
+    let view = View::perspective(Vec3::new(6.0, 3.0, 6.0), Vec3::Y, Vec3::Y, 1.0, 320.0 / 180.0, 0.1, 50.0);
+    let Floor { depth, is_floor } = Floor::new(&gpu, &view, SIZE)?;
+    let up = [0.0, 1.0, 0.0, 0.0].map(f16::from_f32).repeat(is_floor.len());
     let textures = ViewTextures {
-        depth: target("depth", TextureFormat::Depth32Float)?,
-        normal: target("normal", TextureFormat::Rgba16Float)?,
+        depth,
+        normal: uploaded(&gpu, SIZE, TextureFormat::Rgba16Float, lumivox::bytemuck::cast_slice(&up))?,
         albedo: target("albedo", TextureFormat::Rgba16Float)?,
         emission: target("emission", TextureFormat::Rgba16Float)?,
         radiance: target("radiance", TextureFormat::Rgba16Float)?,
     };
     let camera = ViewInput::new(&gpu, "camera", textures, SIZE);
-    let view = View::perspective(Vec3::new(6.0, 3.0, 6.0), Vec3::Y, Vec3::Y, 1.0, 320.0 / 180.0, 0.1, 50.0);
     for frame in 0..3 {
         let scale = InjectionScale { attribute_points: 1, light_points: 1, radiance_max: 1.0 };
         camera.update(&gpu, &view, scale);
@@ -86,7 +93,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     gpu.wait()?;
     let filled: u32 = shadows.map.read(&gpu)?.into_iter().map(u32::count_ones).sum();
-    eprintln!("{filled} cells of leaves");
+    let left: Vec<[f16; 4]> = read_texture(&gpu, &shadows.left)?;
+    let of_floor = left.iter().zip(&is_floor).filter(|(_, is_floor)| **is_floor).map(|(l, _)| l[1].to_f32());
+    let least = of_floor.fold(1.0, f32::min);
+    eprintln!(
+        "{filled} cells of leaves; at least {:.0} % of the sun's green is left on the floor",
+        100.0 * least
+    );
     Ok(())
 }
 

@@ -1,21 +1,28 @@
 //! Sharp shadows in a host: what it has to do to have a mask for its sun from its own depth image and meshes.
 //!
-//! The host's own depth image is stood in for by a texture cleared to nothing. `cargo run -p lumivox --example host_shadow_volumes`
-//! records three frames.
+//! The host's own depth image is that of a floor. `cargo run -p lumivox --example host_shadow_volumes` records three frames, and says how
+//! much of the floor the cubes above it shade.
 
+mod floor;
+
+use half::f16;
 use lumivox::core::{TriangleView, View};
 use lumivox::glam::{Mat4, UVec2, Vec2, Vec3};
-use lumivox::gpu::{AdapterChoice, Gpu, Texture, Tier};
+use lumivox::gpu::{AdapterChoice, Gpu, Tier, read_texture};
 use lumivox::shadow_volumes::{CullSettings, ShadowVolumes, Topology, VolumeLight, VolumeSettings};
 use lumivox::voxelize::{IndexView, Mesh, MeshDescriptor, VertexView};
-use lumivox::wgpu::{self, TextureFormat, util::DeviceExt};
+use lumivox::wgpu::{self, util::DeviceExt};
+
+use floor::Floor;
 
 const SIZE: UVec2 = UVec2::new(320, 180);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A host gives its own device: `Gpu::from_device(device, queue, Tier::Core)`.
     let gpu = Gpu::new_blocking(&AdapterChoice::default(), Tier::Core)?;
-    let depth = Texture::target(&gpu, "depth", SIZE.to_array(), TextureFormat::Depth32Float)?;
+    let view =
+        View::perspective(Vec3::new(12.0, 6.0, 20.0), Vec3::X * 12.0, Vec3::Y, 1.0, 16.0 / 9.0, 0.1, 100.0);
+    let floor = Floor::new(&gpu, &view, SIZE)?;
 
     // Made once: which triangles share which edges, from the mesh as it was loaded. Eight cubes have one of it.
     let topology = Topology::new(&TriangleView { positions: &POSITIONS, indices: &INDICES });
@@ -33,15 +40,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let place = Vec3::new(3.0 * n as f32, 2.0, 0.1 * frame as f32);
             cube.set_transform(&gpu, &Mat4::from_translation(place));
         }
-        let view = View::perspective(
-            Vec3::new(12.0, 6.0, 20.0),
-            Vec3::X * 12.0,
-            Vec3::Y,
-            1.0,
-            16.0 / 9.0,
-            0.1,
-            100.0,
-        );
         let direction = Vec3::new(0.3, -1.0, 0.2).normalize_or_zero();
         let sunlit =
             View::orthographic_along(-60.0 * direction, direction, Vec3::Z, Vec2::splat(80.0), 120.0);
@@ -49,11 +47,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         // Here the host draws its depth image ...
-        shadows.record(&gpu, &mut encoder, &depth, &cubes.iter().collect::<Vec<_>>())?;
+        shadows.record(&gpu, &mut encoder, &floor.depth, &cubes.iter().collect::<Vec<_>>())?;
         // ... and here it multiplies its sun's light by `shadows.mask(0)`.
         gpu.queue.submit([encoder.finish()]);
     }
-    gpu.wait()?;
+    let mask: Vec<f16> = read_texture(&gpu, shadows.mask(0).ok_or("there is one light")?)?;
+    let of_floor: Vec<f16> =
+        mask.into_iter().zip(&floor.is_floor).filter(|(_, is_floor)| **is_floor).map(|(m, _)| m).collect();
+    let shaded = of_floor.iter().filter(|m| **m == f16::ZERO).count() as f32 / of_floor.len() as f32;
+    eprintln!("{:.1} % of the floor lie in shadow", 100.0 * shaded);
     Ok(())
 }
 
