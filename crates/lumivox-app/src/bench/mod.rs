@@ -32,9 +32,9 @@ pub(crate) struct BenchArgs {
     /// Small grids and few triangles: under a minute on two cores.
     #[arg(long)]
     quick: bool,
-    /// Of light, these sections alone.
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "SECTION")]
-    sections: Vec<light::Section>,
+    /// Of light or progressive, these sections alone; a wrong one lists them.
+    #[arg(long, value_delimiter = ',', value_name = "SECTION")]
+    sections: Vec<String>,
     #[command(flatten)]
     gpu: GpuArgs,
 }
@@ -55,8 +55,9 @@ enum BenchName {
 
 /// Runs the command.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
-    if !args.sections.is_empty() && !args.names.contains(&BenchName::Light) {
-        bail!("--sections are those of light");
+    let sectioned = matches!(args.names[..], [BenchName::Light | BenchName::Progressive]);
+    if !args.sections.is_empty() && !sectioned {
+        bail!("--sections are those of light or of progressive, one of them alone");
     }
     let gpu = open_gpu(&args.gpu)?;
     for name in &args.names {
@@ -70,13 +71,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
             BenchName::Light => {
                 let mut report = Report::new(&args.out, "light", "Indirect light")?;
                 report.say(&timing::words(&gpu, args.quick));
-                light::run(&gpu, args.quick, &args.sections, &mut report)?;
+                light::run(&gpu, args.quick, &parsed(&args.sections)?, &mut report)?;
                 report.write()?;
             }
             BenchName::Progressive => {
                 let mut report = Report::new(&args.out, "progressive", "Progressive voxelization")?;
                 report.say(&timing::words(&gpu, args.quick));
-                progressive::run(&Timer::new(&gpu, args.quick), args.quick, &mut report)?;
+                let sections = parsed(&args.sections)?;
+                progressive::run(&Timer::new(&gpu, args.quick), args.quick, &sections, &mut report)?;
                 report.write()?;
             }
             BenchName::Visibility => {
@@ -94,4 +96,16 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Sections by their names.
+fn parsed<S: ValueEnum>(names: &[String]) -> Result<Vec<S>> {
+    let parse = |name: &String| {
+        S::from_str(name, true).map_err(|_| {
+            let known: Vec<_> = S::value_variants().iter().filter_map(S::to_possible_value).collect();
+            let known: Vec<&str> = known.iter().map(clap::builder::PossibleValue::get_name).collect();
+            anyhow::anyhow!("there is no section {name}: sections are {}", known.join(", "))
+        })
+    };
+    names.iter().map(parse).collect()
 }

@@ -42,7 +42,8 @@ impl Renderer {
             self.record_between(&mut timer)?;
         }
         let mut stats = FrameStats { stages: timer.finish(&self.gpu)? };
-        if let Some(budget) = &mut self.budget {
+        // A whole frame says nothing about turns.
+        if let (Some(budget), Pace::Turns) = (&mut self.budget, pace) {
             let gathering = stats.stages.iter().filter(|s| Self::PACED_STAGES.contains(&s.stage));
             let taken = gathering.map(|s| s.millis).sum();
             self.over_budget = budget.is_exhausted(taken).then_some(taken);

@@ -12,7 +12,7 @@ fn after_turn(age: f32) -> f32 {
     if age < NEW {
         return MOVED;
     }
-    return select(SETTLED, FIRST_TURN, age == NEW);
+    return select(SETTLED, FIRST_TURN, age < FIRST_TURN);
 }
 
 @compute @workgroup_size(64)
@@ -22,9 +22,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     let before = light[place];
-    if has_turn(surfels[place].x / SIDES) {
+    let cell = surfels[place].x / SIDES;
+    if has_turn(cell) {
         light[place] = vec4f(0.0, 0.0, 0.0, after_turn(before.w));
-    } else if is_new(before) {
-        light[place] = vec4f(0.0, 0.0, 0.0, select(NEW, ASKED, before.w < NEW));
+    } else if before.w == INHERITED || before.w == NEW || (before.w < FIRST_TURN && has_early_turn(cell)) {
+        light[place] = vec4f(0.0, 0.0, 0.0, select(NEW_ASKED, INHERITED_ASKED, before.w < NEW));
+    } else if before.w < FIRST_TURN {
+        light[place].w = select(NEW_WAITS, INHERITED_WAITS, before.w < NEW);
     }
 }

@@ -51,7 +51,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     let place = due.surfels[nth].x;
     let before = light[place];
     let surfel = unpack_surfel(surfels[place]);
-    if !has_turn(surfel.cell) && !is_new(before) {
+    if !has_turn(surfel.cell) && !is_served_early(before) {
         return;
     }
     let cell = cell_from_index(grid, surfel.cell);
@@ -64,5 +64,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         let point = grid.origin + subcell_size * (subcell_corner(cell, bit) + 0.5);
         sum += seen(surfel, point, subcell_size);
     }
-    light[place] = vec4f(before.rgb + sum / f32(asked), select(before.w, ASKED, before.w == INHERITED));
+    var age = select(before.w, INHERITED_ASKED, before.w == INHERITED);
+    age = select(age, NEW_ASKED, before.w == NEW);
+    light[place] = vec4f(before.rgb + sum / f32(asked), age);
 }

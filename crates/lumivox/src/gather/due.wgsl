@@ -1,5 +1,5 @@
-// Puts one surfel per invocation on the list of those that are served in this frame: whose turn it is, that are new, or that
-// have not looked around yet.
+// Puts one surfel per invocation on the list of those that are served in this frame: whose turn it is, that are served early, or
+// that have not looked around yet.
 
 struct GrowingList {
     count: atomic<u32>,
@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     let cell = surfels[place].x / SIDES;
-    if has_turn(cell) || is_new(light[place]) || hits[place * settings.rays] == UNTRACED {
+    if has_turn(cell) || is_served_early(light[place]) || hits[place * settings.rays] == UNTRACED {
         due.surfels[atomicAdd(&due.count, 1u)] = vec2u(place, cell);
     }
 }

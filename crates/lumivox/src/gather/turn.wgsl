@@ -23,11 +23,14 @@ fn frames_to_turn(cell: u32) -> f32 {
 }
 
 // The fourth number of a surfel's light says how far it is.
-// No turn yet, and no neighbor to take after.
-const NEW: f32 = 0.0;
-// No turn yet, and the light of its neighbors; no view has been asked, or all have.
+// No turn yet, and the light of its neighbors: no view has been asked, views are asked in this frame, or it waits.
 const INHERITED: f32 = -1.0;
-const ASKED: f32 = -0.5;
+const INHERITED_ASKED: f32 = -0.5;
+const INHERITED_WAITS: f32 = -0.25;
+// The same without a neighbor to take after.
+const NEW: f32 = 0.0;
+const NEW_ASKED: f32 = 0.125;
+const NEW_WAITS: f32 = 0.25;
 // One turn.
 const FIRST_TURN: f32 = 0.5;
 // More turns. Above it: has moved so lately.
@@ -36,9 +39,17 @@ const MOVED: f32 = 2.0;
 // What a turn takes of that: then it is as if it had always been here.
 const CALMING: f32 = 0.125;
 
-// A surfel that has had no turn yet is served in each frame until it has.
-fn is_new(light: vec4f) -> bool {
-    return light.w <= NEW;
+// How often those without a turn are served in a round. More is sooner right where much is new at once, and costs as much more then.
+const EARLY_TURNS: u32 = 4u;
+
+// Whether a surfel that has had no turn yet is served in this frame too, once it has been asked and traced.
+fn has_early_turn(cell: u32) -> bool {
+    return ahead(cell) % (0xffffffffu / EARLY_TURNS + 1u) < settings.share;
+}
+
+// A surfel that has had no turn yet is served in the frame in which it comes, in the next with views, and then in early turns.
+fn is_served_early(light: vec4f) -> bool {
+    return light.w < FIRST_TURN && light.w != INHERITED_WAITS && light.w != NEW_WAITS;
 }
 
 // The surfels that are served in a frame.

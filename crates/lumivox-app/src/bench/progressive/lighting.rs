@@ -30,11 +30,14 @@ struct Moment {
     seconds: f32,
 }
 
-/// The pictures of a run, and how far each is off those of triangles.
+/// The pictures of a run, and how they differ from those of triangles.
 struct Run {
     name: &'static str,
     pictures: Vec<Vec<Vec3>>,
+    /// The mean difference at the pixels, in parts of the mean of triangles.
     off: Vec<f64>,
+    /// The mean, in the same parts.
+    level: Vec<f64>,
 }
 
 /// A walk through the atrium, and the sun over its curtains.
@@ -44,33 +47,36 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     report.say(
         "Gathered light in the built-in atrium, all surfels in each frame, and the voxels of each frame alone, those that are kept, and those of all \
          triangles, which the others are held against: *off* is the mean difference of indirect light at the pixels, in parts of its mean. A volume \
-         that knows less than there is changes the light when the camera turns; *jumps* is the largest change of *off* from a frame to the next.",
+         that knows less than there is lets light in or loses it, and how much changes when the camera turns: *jumps* is the largest change of the mean of \
+         indirect light, in parts of that of triangles, from a frame to the next, *steps* the mean of these changes. The walk is there and back, each \
+         way looking ahead, and only the way back counts, when what is kept has seen both.",
     );
     let frames = if quick { 6 } else { 12 };
-    let walk: Vec<Moment> = (0..frames)
-        .map(|n| {
+    let there = (0..frames).rev().map(|n| ("there", n));
+    let walk: Vec<Moment> = there
+        .chain((0..frames).map(|n| ("back", n)))
+        .map(|(way, n)| {
             let along = 0.3 + 0.5 * n as f32 / (frames - 1) as f32;
-            Moment {
-                name: format!("frame {}", n + 1),
-                camera: builtin::atrium_camera_path(along),
-                seconds: 0.0,
-            }
+            let camera = builtin::atrium_camera_path(along);
+            let camera = if way == "there" { looking_back(camera) } else { camera };
+            Moment { name: format!("{way}, frame {}", n + 1), camera, seconds: 0.0 }
         })
         .collect();
     let runs = measure(timer.gpu, &scene, &walk, quick)?;
     // Where the light of single frames changes most.
-    let change = |n: usize| (runs[0].off[n + 1] - runs[0].off[n]).abs();
-    let most = (0..frames - 1).max_by(|a, b| change(*a).total_cmp(&change(*b))).unwrap_or(0);
-    let first = most.saturating_sub(1).min(frames - SHOWN);
+    let change = |n: usize| (runs[0].level[n + 1] - runs[0].level[n]).abs();
+    let most = (frames..2 * frames - 1).max_by(|a, b| change(*a).total_cmp(&change(*b))).unwrap_or(frames);
+    let first = (most - 1).clamp(frames, 2 * frames - SHOWN);
     let shown: Vec<usize> = (first..first + SHOWN).collect();
-    show(&runs, &walk, (&shown, quick), ("jumps", "walk"), report)?;
+    show(&runs, &walk, (frames, &shown, quick), ("jumps", "walk"), report)?;
 
     // By the curtains first, so that what is kept knows them; then from where they cannot be seen.
-    let (before, days) = if quick { (4, 4) } else { (8, 6) };
-    let past = (0..before).map(|n| Moment {
-        name: "on the way".to_owned(),
-        camera: builtin::atrium_camera_path(0.4 * n as f32 / before as f32),
-        seconds: 0.0,
+    let (before, days) = if quick { (4, 4) } else { (12, 6) };
+    let past = (0..before).map(|n| {
+        let way = 2.0 * n as f32 / before as f32;
+        let out = builtin::atrium_camera_path(0.8 * way.min(2.0 - way));
+        let camera = if way < 1.0 { out } else { looking_back(out) };
+        Moment { name: "on the way".to_owned(), camera, seconds: 0.0 }
     });
     // In the arcade on the shaded side, for an afternoon.
     let hidden = scene.cameras.iter().find(|c| c.name == "shaded arcade").unwrap_or(&walk[0].camera);
@@ -81,7 +87,12 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, report: &mut Report) -> Result
     let all: Vec<Moment> = past.chain(day).collect();
     let runs = measure(timer.gpu, &scene, &all, quick)?;
     let shown: Vec<usize> = (0..SHOWN).map(|n| before + n * days / SHOWN).collect();
-    show(&runs, &all, (&shown, quick), ("curtains", "sun"), report)
+    show(&runs, &all, (before, &shown, quick), ("curtains", "sun"), report)
+}
+
+/// The other way on a path: who walks looks ahead.
+fn looking_back(camera: Camera) -> Camera {
+    Camera { target: 2.0 * camera.eye - camera.target, ..camera }
 }
 
 fn size(quick: bool) -> UVec2 {
@@ -113,17 +124,16 @@ fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<
             pictures.push(renderer.read_picture()?);
         }
         pictures.drain(..WARM_UP);
-        runs.push(Run { name, pictures, off: Vec::new() });
+        runs.push(Run { name, pictures, off: Vec::new(), level: Vec::new() });
     }
     let truth = runs[SOURCES.len() - 1].pictures.clone();
+    let sum = |of: &mut dyn Iterator<Item = Vec3>| of.map(|p| f64::from(p.element_sum())).sum::<f64>();
+    let whole: Vec<f64> = truth.iter().map(|t| sum(&mut t.iter().copied()).max(1e-9)).collect();
     for run in &mut runs {
-        let off = |(ours, truth): (&Vec<Vec3>, &Vec<Vec3>)| {
-            let sum =
-                |of: &mut dyn Iterator<Item = Vec3>| of.map(|p| f64::from(p.element_sum())).sum::<f64>();
-            let apart = sum(&mut ours.iter().zip(truth).map(|(a, b)| (*a - *b).abs()));
-            apart / sum(&mut truth.iter().copied()).max(1e-9)
-        };
-        run.off = run.pictures.iter().zip(&truth).map(off).collect();
+        for ((ours, truth), whole) in run.pictures.iter().zip(&truth).zip(&whole) {
+            run.off.push(sum(&mut ours.iter().zip(truth).map(|(a, b)| (*a - *b).abs())) / whole);
+            run.level.push(sum(&mut ours.iter().copied()) / whole);
+        }
     }
     Ok(runs)
 }
@@ -131,17 +141,20 @@ fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<
 fn show(
     runs: &[Run],
     moments: &[Moment],
-    (shown, quick): (&[usize], bool),
+    (begin, shown, quick): (usize, &[usize], bool),
     (stem, what): (&str, &str),
     report: &mut Report,
 ) -> Result<()> {
     let mut lines = Vec::new();
-    let begin = if stem == "curtains" { shown[0] } else { 0 };
     for run in runs.iter().filter(|run| run.name != "triangles") {
-        let off = &run.off[begin..];
-        let mean = off.iter().sum::<f64>() / off.len() as f64;
-        let jump = off.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        for (metric, value) in [("off", mean), ("jumps", jump)] {
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+        let off = mean(&run.off[begin..]);
+        let changes: Vec<f64> = run.level[begin..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let (steps, jumps) = (mean(&changes), changes.iter().copied().fold(0.0, f64::max));
+        // Under a sun that moves, what is missing changes by itself.
+        let shown = if stem == "jumps" { 3 } else { 1 };
+        let found = [("off", off), ("steps", steps), ("jumps", jumps)];
+        for (metric, value) in found.into_iter().take(shown) {
             report.push(Row {
                 figure: "light from frame to frame",
                 case: format!("atrium, {what}"),
@@ -149,13 +162,16 @@ fn show(
                 value,
                 unit: "1",
                 paper: None,
-                note: format!("{} frames", off.len()),
+                note: format!("{} frames", run.off.len() - begin),
             });
         }
         let percent = |v: f64| format!("{:.1} %", 100.0 * v);
-        lines.push(vec![what.to_owned(), run.name.to_owned(), percent(mean), percent(jump)]);
+        let mut line = vec![what.to_owned(), run.name.to_owned()];
+        line.extend(found.iter().take(shown).map(|(_, value)| percent(*value)));
+        lines.push(line);
     }
-    report.table(&["frames", "voxels of", "off", "jumps"].map(str::to_owned), &lines);
+    let header = ["frames", "voxels of", "off", "steps", "jumps"].map(str::to_owned);
+    report.table(&header[..lines.first().map_or(0, Vec::len)], &lines);
     let brightest = runs.iter().flat_map(|run| shown.iter().flat_map(|n| &run.pictures[*n])).copied();
     let exposure_ev = lumivox_render::tone::auto_exposure(&brightest.collect::<Vec<_>>());
     let size = size(quick);
@@ -164,7 +180,12 @@ fn show(
             let picture = Picture { width: size.x, height: size.y, pixels: run.pictures[*n].clone() };
             let off = match run.name {
                 "triangles" => moments[*n].name.clone(),
-                _ => format!("{}, {:.0} % off", moments[*n].name, 100.0 * run.off[*n]),
+                _ => format!(
+                    "{}, {:.0} % off, mean {:.2}",
+                    moments[*n].name,
+                    100.0 * run.off[*n],
+                    run.level[*n]
+                ),
             };
             ([run.name.to_owned(), off], picture.srgb(Layer::Final, exposure_ev))
         };
@@ -173,12 +194,12 @@ fn show(
     let sheet = sheet::captioned_sheet(&tiles.collect::<Vec<_>>());
     let caption = match stem {
         "jumps" => {
-            "Indirect light in the atrium in frames that follow each other on a walk: above of the voxels that each frame's views show, which changes with \
+            "Indirect light in the atrium in frames that follow each other on the way back of a walk: above of the voxels that each frame's views show, which changes with \
              what they show; in the middle of those that are kept; below of all triangles"
         }
         _ => {
-            "Indirect light in the atrium under a sun that moves, seen from an arcade after the camera has walked out of it and past the curtains of both \
-             sides, most of which columns hide here. Above of the voxels of each frame, in the middle of those that are kept, below of all triangles"
+            "Indirect light in the atrium under a sun that moves, seen from an arcade after the camera has walked out of it, past the curtains of both \
+             sides and back; most of them are behind columns here. Above of the voxels of each frame, in the middle of those that are kept, below of all triangles"
         }
     };
     report.picture(stem, caption, &sheet)

@@ -9,7 +9,7 @@ use image::RgbImage;
 use lumivox::core::{Grid, TriangleView, View};
 use lumivox::progressive::{BrickCell, CleanupRule};
 use lumivox_oracle::voxels::{Coverage, VoxelSet};
-use lumivox_scene::{Light, Pose, Scene, builtin};
+use lumivox_scene::{Camera, Light, Pose, Scene, builtin};
 
 use super::quality::{BEYOND, soup};
 use super::rig::{Bricks, Rig, orbit, three_channels};
@@ -199,6 +199,11 @@ fn camera(scene: &Scene, number: usize, reach: f32) -> View {
     let Some(c) = scene.cameras.get(number).or(scene.cameras.first()) else {
         return orbit(&scene.bounds(), 5)[0];
     };
+    view_from(c, reach)
+}
+
+/// A square view from a camera into a scene that is so long.
+pub(super) fn view_from(c: &Camera, reach: f32) -> View {
     View::perspective(c.eye, c.target, c.up, c.fov_y, 1.0, 0.05, 1.5 * reach).with_reversed_depth()
 }
 
@@ -261,7 +266,7 @@ fn by_normal(grid: &Grid, cells: &[BrickCell]) -> RgbImage {
 }
 
 /// A room's cells by age, without the walls towards the viewer and the ceiling.
-fn by_age(grid: &Grid, cells: &[BrickCell], cut: Vec3) -> RgbImage {
+pub(super) fn by_age(grid: &Grid, cells: &[BrickCell], cut: Vec3) -> RgbImage {
     let top = grid.dims.as_vec3() * cut;
     by_age_of(grid, cells, |cell| cell.as_vec3().cmplt(top).all())
 }
