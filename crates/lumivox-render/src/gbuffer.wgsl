@@ -9,7 +9,7 @@ struct GBuffer {
 @fragment
 fn fragment(in: Varyings) -> GBuffer {
     let surface = surface_at(in);
-    if surface.albedo.a < material.alpha_cutoff {
+    if surface.edge_on || surface.albedo.a < material.alpha_cutoff {
         discard;
     }
     let face = octahedron_from_direction(surface.face);

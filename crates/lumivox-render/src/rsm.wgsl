@@ -12,7 +12,7 @@ struct ReflectiveShadowMap {
 @fragment
 fn fragment(in: Varyings) -> ReflectiveShadowMap {
     let surface = surface_at(in);
-    if surface.albedo.a < material.alpha_cutoff {
+    if surface.edge_on || surface.albedo.a < material.alpha_cutoff {
         discard;
     }
     let albedo = saturate(surface.albedo.rgb);

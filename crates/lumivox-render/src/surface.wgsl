@@ -68,14 +68,33 @@ struct Surface {
     normal: vec3f,
     // The triangle's own, on the same side.
     face: vec3f,
+    // Seen along its plane.
+    edge_on: bool,
+}
+
+// Sine of the angle to the view below which a triangle is seen along its plane: what a 256th of a pixel, to which rasterizers round
+// corners, may turn into a face. Their depths there are of anywhere on the plane, also right before the eye. A floor at eye
+// height still reaches 50 km far.
+const EDGE_ON: f32 = 3e-5;
+
+// From a point in the axes of the eye towards the view.
+fn toward_view(eye: vec3f) -> vec3f {
+    let m = view.clip_from_world;
+    let orthographic = m[0].w == 0.0 && m[1].w == 0.0 && m[2].w == 0.0;
+    return select(-brought_to_one(eye), vec3f(0.0, 0.0, 1.0), orthographic);
+}
+
+// Normal to the triangle, of any length and on either side.
+fn normal_to_face(eye: vec3f) -> vec3f {
+    return cross(brought_to_one(dpdx(eye)), brought_to_one(dpdy(eye)));
+}
+
+fn is_edge_on(face: vec3f, toward_view: vec3f) -> bool {
+    return dot(face, face) > 1e-20 && abs(dot(face, toward_view)) < EDGE_ON * length(face) * length(toward_view);
 }
 
 // The side of the triangle that the view sees.
-fn visible_face(eye: vec3f) -> vec3f {
-    let face = cross(brought_to_one(dpdx(eye)), brought_to_one(dpdy(eye)));
-    let m = view.clip_from_world;
-    let orthographic = m[0].w == 0.0 && m[1].w == 0.0 && m[2].w == 0.0;
-    let toward_view = select(-brought_to_one(eye), vec3f(0.0, 0.0, 1.0), orthographic);
+fn visible_face(face: vec3f, toward_view: vec3f) -> vec3f {
     let facing = select(face, -face, dot(face, toward_view) < 0.0);
     // What is too far away to have a face has its front to the view.
     let turned = select(vec3f(0.0, 0.0, 1.0), facing, dot(face, face) > 1e-20);
@@ -131,6 +150,9 @@ fn surface_at(in: Varyings) -> Surface {
         glow = textureSample(emission_texture, material_sampler, in.uv);
     }
     let albedo = material.base_color * base * in.color;
-    let face = visible_face(in.eye);
-    return Surface(albedo, material.emission * glow.rgb, facing_normal(in.normal, face), face);
+    let plane_normal = normal_to_face(in.eye);
+    let toward = toward_view(in.eye);
+    let face = visible_face(plane_normal, toward);
+    let normal = facing_normal(in.normal, face);
+    return Surface(albedo, material.emission * glow.rgb, normal, face, is_edge_on(plane_normal, toward));
 }

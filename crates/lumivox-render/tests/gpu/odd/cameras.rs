@@ -1,16 +1,36 @@
 //! Cameras where none should be.
 
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use libtest_mimic::Failed;
 use lumivox::gpu::Gpu;
-use lumivox_render::{Renderer, VoxelSource};
+use lumivox_render::{GiMethod, Layer, Renderer, Settings, VoxelSource};
 use lumivox_scene::{Camera, builtin};
 
 use super::{Faults, tiny};
 use crate::Check;
 
-pub(crate) const TESTS: &[(&str, Check)] =
-    &[("odd cameras: inside walls, on them, along them, far away, without direction", odd_cameras)];
+pub(crate) const TESTS: &[(&str, Check)] = &[
+    ("odd cameras: inside walls, on them, along them, far away, without direction", odd_cameras),
+    ("odd cameras: a face seen along its plane puts nothing before the eye", edge_on),
+];
+
+/// The eye lies in the plane of the door frame's inner face. At this size a corner's rounding makes a pixel of it, which had the depth of
+/// 0.66 m; the nearest thing is 1.75 m away.
+fn edge_on(gpu: &Gpu) -> Result<(), Failed> {
+    let size = UVec2::new(240, 135);
+    let scene = builtin::door(builtin::DEFAULT_DETAIL);
+    let settings =
+        Settings { size, layer: Layer::Depth, gi: GiMethod::Off, ..tiny(VoxelSource::Progressive) };
+    let mut renderer = Renderer::new(gpu, &scene, settings)?;
+    renderer.set_camera(scene.cameras.first().ok_or("a camera")?);
+    renderer.frame(None)?;
+    let picture = renderer.read_picture()?;
+    let nearest = picture.iter().map(|p| p.x).fold(f32::INFINITY, f32::min);
+    if nearest < 1.7 {
+        return Err(format!("something is {nearest} m before the eye").into());
+    }
+    Ok(())
+}
 
 fn odd_cameras(gpu: &Gpu) -> Result<(), Failed> {
     let scene = builtin::cornell(0);
