@@ -22,7 +22,14 @@ struct Sweep {
     apply: fn(Settings, u32) -> Settings,
 }
 
-const SWEEPS: [Sweep; 2] = [
+const SWEEPS: [Sweep; 3] = [
+    Sweep {
+        name: "lpv",
+        varied: "steps",
+        values: &[4, 8, 16, 32, 64, 128],
+        gi: GiMethod::Lpv,
+        apply: |settings, iterations| Settings { iterations, ..settings },
+    },
     Sweep {
         name: "propagation",
         varied: "steps",
@@ -44,7 +51,7 @@ pub(super) fn run(gpu: &Gpu, stages: &[Stage], quick: bool, report: &mut Report)
     report.head("Error against work");
     let grid = if quick { 32 } else { 64 };
     report.say(&format!(
-        "{grid} cells. Propagation stops after so many steps; gathered light has so many rays for each surfel and settles."
+        "{grid} cells. Propagation and light propagation volumes stop after so many steps; gathered light has so many rays for each surfel and settles."
     ));
     for stage in stages.iter().filter(|s| SCENES.contains(&s.case.name)) {
         let (mut by_work, mut by_time) = (Vec::new(), Vec::new());
