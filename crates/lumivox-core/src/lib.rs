@@ -7,6 +7,7 @@
 pub mod bounds;
 pub mod closed;
 pub mod grid;
+pub mod host_view;
 pub mod packed_field;
 pub mod sh;
 pub mod triangles;
@@ -16,6 +17,7 @@ pub mod volume;
 pub use bounds::Bounds;
 pub use closed::{Lids, lids, open_edges};
 pub use grid::{Grid, GridError};
+pub use host_view::{ClipDepth, LooksAlong, MatrixConventions, ViewError};
 pub use packed_field::{PackedField, PackedMapping, PackedMaps, PackedStorage, hit_bias};
 pub use triangles::TriangleView;
 pub use view::{Projection, View};

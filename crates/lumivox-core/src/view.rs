@@ -13,7 +13,7 @@ pub enum Projection {
 }
 
 /// A camera or a light's camera: world to clip space and back. Depth runs from 0 (near) to 1 (far), or the other
-/// way round when `reversed_depth` is set.
+/// way round when `reversed_depth` is set. One of a host's own matrices is [`Self::from_matrices`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// World to clip space (wgpu's: x right, y up, depth 0..1).

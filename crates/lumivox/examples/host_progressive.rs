@@ -3,8 +3,8 @@
 //! `cargo run -p lumivox --example host_progressive` draws a box that moves over a floor and says what each frame did to the volume.
 //! What concerns Lumivox stands in `Voxels` and is a page long; the rest is the foreign renderer.
 
-use lumivox::core::{Grid, View};
-use lumivox::glam::{Mat4, UVec2, UVec3, Vec3, Vec4};
+use lumivox::core::{Grid, LooksAlong, MatrixConventions, View};
+use lumivox::glam::{Mat4, UVec2, UVec3, Vec3};
 use lumivox::gpu::{Gpu, GpuError, Texture, Tier};
 use lumivox::progressive::{
     AttributeChannel, AttributeKind, AttributeView, ProgressiveVoxelizer, VoxelizerSettings,
@@ -38,11 +38,24 @@ impl Voxels {
     }
 
     /// Adds a frame's work to the renderer's own commands, after its G-buffer.
-    fn record(&mut self, encoder: &mut wgpu::CommandEncoder, eye: Vec3, view: &View) -> Result<(), GpuError> {
-        self.volume.follow(Vec3::new(eye.x, 1.5, 0.0));
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &Camera,
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        // What the renderer's matrices mean is said here, once.
+        let conventions = MatrixConventions {
+            looks_along: LooksAlong::PositiveZ,
+            reversed_depth: true,
+            ..MatrixConventions::default()
+        };
+        let [eye_from_world, clip_from_eye] =
+            [camera.view, camera.projection].map(|m| Mat4::from_cols_array_2d(&m));
+        let view = View::from_matrices(eye_from_world, clip_from_eye, conventions)?;
+        self.volume.follow(Vec3::new(camera.eye[0], 1.5, 0.0));
         self.volume.update(&self.gpu, &[]);
-        self.camera.update(&self.gpu, view, self.camera.point_count(), self.volume.frame());
-        self.volume.record(&self.gpu, encoder, &[&self.camera])
+        self.camera.update(&self.gpu, &view, self.camera.point_count(), self.volume.frame());
+        Ok(self.volume.record(&self.gpu, encoder, &[&self.camera])?)
     }
 }
 
@@ -50,11 +63,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let host = Host::new()?;
     let mut voxels = Voxels::new(&host)?;
     for frame in 0..8 {
-        let eye = Vec3::new(0.3 * frame as f32 - 1.0, 2.5, 5.0);
-        let view = View::perspective(eye, Vec3::new(eye.x, 0.5, 0.0), Vec3::Y, 0.9, 1.6, 0.1, 30.0);
+        let camera = Camera::new([0.3 * frame as f32 - 1.0, 2.5, 5.0], 0.38);
         let mut encoder = host.device.create_command_encoder(&Default::default());
-        host.draw(&mut encoder, &view, Vec3::new(0.4 * frame as f32 - 1.4, 0.5, 0.0));
-        voxels.record(&mut encoder, eye, &view)?;
+        host.draw(&mut encoder, &camera, [0.4 * frame as f32 - 1.4, 0.5, 0.0, 0.0]);
+        voxels.record(&mut encoder, &camera)?;
         host.queue.submit([encoder.finish()]);
         let done = voxels.volume.diagnostics(&voxels.gpu, None)?;
         eprintln!(
@@ -63,6 +75,29 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     Ok(())
+}
+
+/// The renderer's camera, by its own matrices: columns, an eye space that looks along +z, and reversed depth without a far plane.
+struct Camera {
+    eye: [f32; 3],
+    view: [[f32; 4]; 4],
+    projection: [[f32; 4]; 4],
+}
+
+impl Camera {
+    /// From a point along -z, and so many radians down.
+    fn new(eye: [f32; 3], down: f32) -> Self {
+        let (sin, cos) = down.sin_cos();
+        let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, -sin, -cos]);
+        let from_eye = |axis: [f32; 3]| -(0..3).map(|n| axis[n] * eye[n]).sum::<f32>();
+        let column = |n: usize| [right[n], up[n], forward[n], 0.0];
+        let moved = [from_eye(right), from_eye(up), from_eye(forward), 1.0];
+        let (near, tall) = (0.1, 1.0 / 0.45_f32.tan());
+        let wide = tall * SIZE.y as f32 / SIZE.x as f32;
+        let projection =
+            [[wide, 0.0, 0.0, 0.0], [0.0, tall, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, near, 0.0]];
+        Self { eye, view: [column(0), column(1), column(2), moved], projection }
+    }
 }
 
 /// A renderer that knows nothing of voxels: a floor and a box into a G-buffer.
@@ -76,7 +111,7 @@ struct Host {
 }
 
 const SHADER: &str = "
-struct Frame { clip_from_world: mat4x4f, place: vec4f }
+struct Frame { clip_from_eye: mat4x4f, eye_from_world: mat4x4f, place: vec4f }
 @group(0) @binding(0) var<uniform> frame: Frame;
 struct Varying { @builtin(position) clip: vec4f, @location(0) normal: vec3f, @location(1) albedo: vec3f }
 
@@ -91,7 +126,7 @@ struct Varying { @builtin(position) clip: vec4f, @location(0) normal: vec3f, @lo
     let half = select(vec3f(4.0, 0.1, 4.0), vec3f(0.5), is_box);
     let world = select(vec3f(0.0, -0.11, 0.0), frame.place.xyz, is_box) + half * point;
     let albedo = select(vec3f(0.6), vec3f(0.8, 0.2, 0.1), is_box);
-    return Varying(frame.clip_from_world * vec4f(world, 1.0), normal, albedo);
+    return Varying(frame.clip_from_eye * frame.eye_from_world * vec4f(world, 1.0), normal, albedo);
 }
 struct Pixel { @location(0) normal: vec4f, @location(1) albedo: vec4f }
 @fragment fn fragment(v: Varying) -> Pixel {
@@ -129,7 +164,7 @@ impl Host {
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: F::Depth32Float,
                 depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
                 stencil: Default::default(),
                 bias: Default::default(),
             }),
@@ -147,9 +182,9 @@ impl Host {
         Ok(Self { device, queue, pipeline, depth, normal, albedo })
     }
 
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, view: &View, place: Vec3) {
-        let mut bytes = lumivox::bytemuck::bytes_of::<Mat4>(&view.clip_from_world).to_vec();
-        bytes.extend_from_slice(lumivox::bytemuck::bytes_of::<Vec4>(&place.extend(0.0)));
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, camera: &Camera, place: [f32; 4]) {
+        let numbers = [camera.projection.as_flattened(), camera.view.as_flattened(), &place].concat();
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
         let frame = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: None,
             contents: &bytes,
@@ -178,7 +213,7 @@ impl Host {
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &depth,
                 depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
+                    load: wgpu::LoadOp::Clear(0.0),
                     store: wgpu::StoreOp::Store,
                 }),
                 stencil_ops: None,
