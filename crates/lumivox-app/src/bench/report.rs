@@ -23,13 +23,23 @@ pub(super) struct Row {
     pub(super) note: String,
 }
 
+/// A number as the JSON has it.
+#[derive(Debug, Serialize)]
+struct Entry {
+    #[serde(flatten)]
+    row: Row,
+    /// What it is in each frame of a run, rounded to six digits behind the point.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    by_frame: Vec<f64>,
+}
+
 /// A benchmark's results, and the folder that they go to.
 #[derive(Debug)]
 pub(super) struct Report {
     folder: PathBuf,
     name: &'static str,
     text: String,
-    rows: Vec<Row>,
+    rows: Vec<Entry>,
 }
 
 impl Report {
@@ -58,8 +68,14 @@ impl Report {
 
     /// A number, for the JSON.
     pub(super) fn push(&mut self, row: Row) {
+        self.push_frames(row, &[]);
+    }
+
+    /// The same with what it is made of, frame by frame.
+    pub(super) fn push_frames(&mut self, row: Row, frames: &[f64]) {
         if row.value.is_finite() {
-            self.rows.push(row);
+            let by_frame = frames.iter().map(|v| (v * 1e6).round() / 1e6).collect();
+            self.rows.push(Entry { row, by_frame });
         }
     }
 

@@ -10,8 +10,9 @@ use lumivox::progressive::CleanupRule;
 use lumivox_render::{Layer, Renderer, Settings, VoxelSource, tone};
 use lumivox_scene::{Camera, builtin};
 
+use super::moving::view_from;
+use super::pictures::by_age;
 use super::rig::{Bricks, Rig, three_channels};
-use super::scenes::{by_age, view_from};
 use crate::bench::report::Report;
 use crate::bench::timing::Timer;
 use crate::output::Picture;

@@ -48,19 +48,22 @@ pub(super) fn run(timer: &Timer<'_>, subject: &Subject, quick: bool, report: &mu
     let whole = round(None)?;
     let budget_ms = SHARE * percentile(&whole, 0.5);
     let mut budget = LightBudget::new(budget_ms);
-    round(Some(&mut budget))?;
-    let within = round(Some(&mut budget))?;
-    let [of_whole, of_budget] =
-        [&whole, &within].map(|times| [0.5, 0.95].map(|part| percentile(times, part)));
-    let overshoot = of_budget[1] / budget_ms - 1.0;
+    // The first frames of the first know nothing of the costs yet.
+    let [first, second] = [round(Some(&mut budget))?, round(Some(&mut budget))?];
+    let of = |times: &[f64]| [0.5, 0.95].map(|part| percentile(times, part));
+    let (of_whole, of_first, of_second) = (of(&whole), of(&first), of(&second));
+    let over = |of: [f64; 2]| of[1] / budget_ms - 1.0;
     let case = format!("{}, {side}", subject.name);
     for (metric, value, unit) in [
         ("whole frames, median", of_whole[0], "ms"),
         ("whole frames, 95th percentile", of_whole[1], "ms"),
         ("budget", budget_ms, "ms"),
-        ("within the budget, median", of_budget[0], "ms"),
-        ("within the budget, 95th percentile", of_budget[1], "ms"),
-        ("overshoot of the 95th percentile", overshoot, "1"),
+        ("first round within the budget, median", of_first[0], "ms"),
+        ("first round within the budget, 95th percentile", of_first[1], "ms"),
+        ("first round, overshoot of the 95th percentile", over(of_first), "1"),
+        ("within the budget, median", of_second[0], "ms"),
+        ("within the budget, 95th percentile", of_second[1], "ms"),
+        ("overshoot of the 95th percentile", over(of_second), "1"),
     ] {
         report.push(Row {
             figure: "budget",
@@ -73,16 +76,22 @@ pub(super) fn run(timer: &Timer<'_>, subject: &Subject, quick: bool, report: &mu
         });
     }
     report.say(&format!(
-        "{} at {side} cells, a camera that goes round once in {frames} frames with {size} x {size} texels. With all bricks cleaned and all points \
-         injected in each frame it takes {} ms in the middle and {} ms in the 95th percentile. With turns that follow what the last frames took, for a budget of \
-         {} ms: {} and {} ms, {:.0} % over the budget. What else the machine does is in these times.",
+        "{} at {side} cells, a camera that goes round each axis once in {frames} frames together, with {size} x {size} texels. The *whole* round has all bricks cleaned and all \
+         points injected in each frame, after a round before it that is not counted, in which drivers compile. Then turns follow what the last frames took, \
+         for a budget of half the median of a whole frame, {} ms: the *first* such round begins with a budget that has measured nothing, the *second* goes on with what it has \
+         learnt. What else the machine does is in these times.",
         subject.name,
-        ms(of_whole[0]),
-        ms(of_whole[1]),
         ms(budget_ms),
-        ms(of_budget[0]),
-        ms(of_budget[1]),
-        100.0 * overshoot
     ));
+    let line = |name: &str, of: [f64; 2], is_within: bool| {
+        let over = if is_within { format!("{:.0} %", 100.0 * over(of)) } else { String::new() };
+        vec![name.to_owned(), ms(of[0]), ms(of[1]), over]
+    };
+    let lines = [
+        line("whole", of_whole, false),
+        line("first within the budget", of_first, true),
+        line("second within the budget", of_second, true),
+    ];
+    report.table(&["round", "median ms", "95th percentile ms", "over the budget"].map(str::to_owned), &lines);
     Ok(())
 }

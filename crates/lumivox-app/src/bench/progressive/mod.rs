@@ -6,10 +6,14 @@ mod budget;
 mod cost;
 mod curves;
 mod forms;
+mod frames;
 mod lighting;
+mod moving;
+mod pictures;
+mod proof;
 mod quality;
 mod rig;
-mod scenes;
+mod runs;
 mod storage;
 
 use anyhow::Result;
@@ -51,11 +55,11 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, sections: &[Section], report: 
     // Long runs are sometimes cut short.
     report.write()?;
     if wanted(Section::Moving) {
-        scenes::moving(timer, quick, report)?;
+        moving::run(timer, quick, report)?;
     }
     if let Some(body) = bodies.last() {
         if wanted(Section::Pictures) {
-            scenes::normals(timer, body, quick, report)?;
+            pictures::normals(timer, body, quick, report)?;
             arena::run(timer, quick, report)?;
         }
         if wanted(Section::Budget) {
