@@ -212,6 +212,7 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         grid: shot.grid.unwrap_or(preset.grid),
         voxels: source,
         cleanup: shot.cleanup.into(),
+        light_rule: shot.light_rule.into(),
         gi: shot.gi.into(),
         // A still starts with none, to learn how much light there is to settle.
         iterations: if still { 0 } else { shot.iterations },

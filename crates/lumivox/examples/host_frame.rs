@@ -47,7 +47,7 @@ impl Lighting {
         progressive.record_begin(encoder, direct);
         progressive.record_light(gpu, encoder, [sun], volume, direct)?;
         progressive.record_camera(gpu, encoder, camera, volume, direct)?;
-        progressive.record_end(gpu, encoder, camera, volume)?;
+        progressive.record_end(gpu, encoder, camera, volume, direct)?;
         // Volume to light.
         indirect.record_transport(gpu, encoder, volume)?;
         indirect.record_seed(gpu, encoder, volume, direct)?;

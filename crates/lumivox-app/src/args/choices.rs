@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use lumivox::gather::Quality;
 use lumivox::light::Reflection;
 use lumivox::lpv::Blocking;
-use lumivox::progressive::CleanupRule;
+use lumivox::progressive::{CleanupRule, LightRule};
 use lumivox_render::voxel_view::VoxelChannel;
 use lumivox_render::{GiMethod, Layer, VoxelSource};
 
@@ -50,6 +50,23 @@ impl From<CleanupArg> for CleanupRule {
             CleanupArg::Center => Self::Center,
             CleanupArg::Footprint => Self::Footprint,
             CleanupArg::Rays => Self::Rays,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum LightRuleArg {
+    /// In the frame in which a view samples them.
+    Pulled,
+    /// Until a view samples them again, though their lamp goes out: the papers'.
+    Stored,
+}
+
+impl From<LightRuleArg> for LightRule {
+    fn from(arg: LightRuleArg) -> Self {
+        match arg {
+            LightRuleArg::Pulled => Self::Pulled,
+            LightRuleArg::Stored => Self::Stored,
         }
     }
 }

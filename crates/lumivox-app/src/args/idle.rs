@@ -2,8 +2,8 @@
 
 use super::see_through::{GlassArg, SeeThroughArgs, ShadowFilterArg};
 use super::{
-    AoArg, BlockingArg, ByArg, GiArg, LayerArg, MirrorArg, ObjectArgs, ReflectionsArg, RenderArgs,
-    VoxelizerArg, VoxelsArg,
+    AoArg, BlockingArg, ByArg, GiArg, LayerArg, LightRuleArg, MirrorArg, ObjectArgs, ReflectionsArg,
+    RenderArgs, VoxelizerArg, VoxelsArg,
 };
 
 /// A sentence for each option of a picture that does nothing beside the others.
@@ -21,6 +21,10 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
         (
             !matches!(args.shot.lpv_blocking, BlockingArg::None) && !matches!(gi, GiArg::Lpv),
             "--lpv-blocking is for --gi lpv",
+        ),
+        (
+            args.shot.light_rule != LightRuleArg::Pulled && !propagates && !shows_voxels,
+            "--light-rule is for --gi propagation and --layer voxels",
         ),
         (args.flow && !propagates, "--flow is for --gi propagation"),
         (args.light_budget.is_some() && !gathers, "--light-budget is for --gi gather"),
@@ -130,6 +134,8 @@ mod tests {
             "--gi propagation --mirror axis",
             "--gi lpv --lpv-blocking fuzzy",
             "--frames 3 --gi propagation --flow",
+            "--frames 3 --gi propagation --light-rule stored",
+            "--frames 3 --layer voxels --light-rule stored",
             "--frames 3 --light-budget 4",
             "--layer voxels --slice y:1 --voxels unseen --voxelizer progressive",
             "--layer lobes",
@@ -149,6 +155,7 @@ mod tests {
         for idle in [
             "--mirror axis",
             "--lpv-blocking fuzzy",
+            "--light-rule stored",
             "--frames 3 --flow",
             "--frames 3 --light-budget 4 --gi lpv",
             "--frames 3 --light-every 2 --gi propagation",

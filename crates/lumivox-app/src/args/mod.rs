@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use choices::{
-    BlockingArg, CleanupArg, GiArg, LayerArg, MirrorArg, QualityArg, VoxelizerArg, VoxelsArg,
+    BlockingArg, CleanupArg, GiArg, LayerArg, LightRuleArg, MirrorArg, QualityArg, VoxelizerArg, VoxelsArg,
 };
 pub(crate) use idle::idle_options;
 pub(crate) use see_through::SeeThroughArgs;
@@ -113,6 +113,9 @@ pub(crate) struct ShotArgs {
     /// When a view proves a voxel empty, with --voxelizer progressive or single-pass.
     #[arg(long, value_enum, default_value = "footprint")]
     pub(crate) cleanup: CleanupArg,
+    /// How long voxels keep the direct light that falls on them, with --gi propagation and --layer voxels.
+    #[arg(long, value_enum, default_value = "pulled")]
+    pub(crate) light_rule: LightRuleArg,
     /// Indirect light.
     #[arg(long, value_enum, default_value = "gather")]
     pub(crate) gi: GiArg,

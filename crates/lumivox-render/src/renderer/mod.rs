@@ -160,7 +160,7 @@ impl Renderer {
         let scene = rest.as_ref().unwrap_or(scene);
         let grid = Grid::fit_with_margin(&bounds, settings.grid)?;
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
-        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels, settings.cleanup)?;
+        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels, settings.rules())?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
         let sky = Sky::of(scene);
         let indirect = Indirect::new(gpu, &volume, &settings, &sky)?;

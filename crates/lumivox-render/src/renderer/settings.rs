@@ -4,7 +4,7 @@ use glam::UVec2;
 use lumivox::gather::{GatherSettings, Quality};
 use lumivox::light::{LightSettings, Reflection};
 use lumivox::lpv::Blocking;
-use lumivox::progressive::CleanupRule;
+use lumivox::progressive::{CleanupRule, LightRule, Rules};
 use lumivox::visibility::{OcclusionSettings, ReflectionSettings, ShadowSettings};
 
 use super::{GlassSettings, LeafShadowSettings};
@@ -70,6 +70,9 @@ pub struct Settings {
     pub voxels: VoxelSource,
     /// When a view proves a cell empty, with the sources that keep cells from frame to frame.
     pub cleanup: CleanupRule,
+    /// How long direct light stays in the cells that iterative propagation starts from, which [`Layer::Voxels`] shows too. Gathered light
+    /// and light propagation volumes ask lights anew in each frame, whatever this says.
+    pub light_rule: LightRule,
     /// How indirect light is found.
     pub gi: GiMethod,
     /// Propagation steps in every frame, of propagation and of light propagation volumes.
@@ -158,6 +161,11 @@ impl Settings {
         };
         Self { grid, bounces, area_maps, gather: GatherSettings::of(quality), ..Self::default() }
     }
+
+    /// What the volume is kept up by.
+    pub(super) fn rules(&self) -> Rules {
+        Rules { cleanup: self.cleanup, light: self.light_rule }
+    }
 }
 
 impl Default for Settings {
@@ -168,6 +176,7 @@ impl Default for Settings {
             grid: 64,
             voxels: VoxelSource::Progressive,
             cleanup: CleanupRule::default(),
+            light_rule: LightRule::default(),
             gi: GiMethod::Gather,
             iterations: 64,
             gather: GatherSettings::default(),

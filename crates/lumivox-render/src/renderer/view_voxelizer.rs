@@ -2,7 +2,7 @@
 
 use lumivox::VolumeBuffer;
 use lumivox::gpu::{Gpu, GpuError};
-use lumivox::progressive::{CleanupRule, DirectLight, Progressive, SinglePass, ViewInput};
+use lumivox::progressive::{DirectLight, Progressive, Rules, SinglePass, ViewInput};
 use lumivox::wgpu::CommandEncoder;
 
 use super::VoxelSource;
@@ -28,11 +28,15 @@ impl ViewVoxelizer {
         gpu: &Gpu,
         volume: &VolumeBuffer,
         source: VoxelSource,
-        rule: CleanupRule,
+        rules: Rules,
     ) -> Result<Self, GpuError> {
         Ok(match source {
-            VoxelSource::SinglePass => Self::SinglePass(Box::new(SinglePass::with_rule(gpu, volume, rule)?)),
-            _ => Self::TwoPhase { progressive: Box::new(Progressive::with_rule(gpu, volume, rule)?), source },
+            VoxelSource::SinglePass => {
+                Self::SinglePass(Box::new(SinglePass::with_rules(gpu, volume, rules)?))
+            }
+            _ => {
+                Self::TwoPhase { progressive: Box::new(Progressive::with_rules(gpu, volume, rules)?), source }
+            }
         })
     }
 
@@ -108,7 +112,7 @@ impl ViewVoxelizer {
             Self::SinglePass(single) => single.record_camera(gpu, encoder, camera, volume, light),
             Self::TwoPhase { progressive, .. } => {
                 progressive.record_camera(gpu, encoder, camera, volume, light)?;
-                progressive.record_end(gpu, encoder, camera, volume)
+                progressive.record_end(gpu, encoder, camera, volume, light)
             }
         }
     }

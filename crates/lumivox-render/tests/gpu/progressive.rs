@@ -5,7 +5,7 @@ use libtest_mimic::Failed;
 use lumivox::VolumeBuffer;
 use lumivox::core::{Grid, View};
 use lumivox::gpu::Gpu;
-use lumivox::progressive::{CHANNELS, InjectionScale, Progressive};
+use lumivox::progressive::{CHANNELS, InjectionScale, LightRule, Progressive};
 use lumivox::volume::NORMAL;
 use lumivox_render::gpu_scene::GpuScene;
 use lumivox_render::surface::{self, SurfacePass, SurfaceView};
@@ -20,6 +20,7 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("single frames forget", single_frames_forget),
     ("a removed thing vanishes once its place is seen", removed),
     ("no light outlives its lamp", lamps_out),
+    ("stored light stays where a lamp has been, and pulled light does not", lamps_gone_by),
     ("twice the injection points are the same light", more_points),
     ("a finer reflective shadow map is the same light", finer_map),
     ("two renderers make the same picture, bit for bit", deterministic),
@@ -111,7 +112,7 @@ fn removed(gpu: &Gpu) -> Result<(), Failed> {
         progressive.record_cleanup(gpu, &mut encoder, &target.input, &mut volume)?;
         progressive.record_begin(&mut encoder, &mut light);
         progressive.record_camera(gpu, &mut encoder, &target.input, &volume, &mut light)?;
-        progressive.record_end(gpu, &mut encoder, &target.input, &mut volume)?;
+        progressive.record_end(gpu, &mut encoder, &target.input, &mut volume, &mut light)?;
         gpu.queue.submit([encoder.finish()]);
         let cells = volume.read_back(gpu)?;
         let normals = cells.channel(NORMAL).unwrap_or_default();
@@ -159,6 +160,32 @@ fn lamps_out(gpu: &Gpu) -> Result<(), Failed> {
         let lit = light.iter().flatten().filter(|band| band.abs().max_element() > 0.0).count();
         assert_eq!(lit, 0, "{voxels:?}");
         assert!(renderer.light_in_volume()? >= 0.0);
+    }
+    Ok(())
+}
+
+/// Lamps that go below the floor while the camera looks away.
+fn lamps_gone_by(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = Scene { lights: LAMPS.to_vec(), ..builtin::cornell(0) };
+    let below = [
+        Light::Directional { direction: Vec3::Y, irradiance: Vec3::splat(4.0) },
+        Light::Point { position: Vec3::new(0.0, -30.0, 0.0), intensity: Vec3::splat(3.0) },
+    ];
+    for voxels in [VoxelSource::Progressive, VoxelSource::SinglePass] {
+        let mut remaining = Vec::new();
+        for light_rule in [LightRule::Pulled, LightRule::Stored] {
+            let settings = Settings { iterations: 4, light_rule, ..volume_settings(voxels) };
+            let mut renderer = Renderer::new(gpu, &scene, settings)?;
+            renderer.set_camera(&skyward());
+            renderer.frame(None)?;
+            let lit = radiosities(gpu, &renderer)?;
+            renderer.set_lights(&below);
+            renderer.frame(None)?;
+            let after = radiosities(gpu, &renderer)?;
+            remaining.push(lit.iter().zip(&after).filter(|(lit, after)| **lit > 0.0 && lit == after).count());
+        }
+        assert_eq!(remaining[0], 0, "{voxels:?}: cells shine as before");
+        assert!(remaining[1] > 300, "{voxels:?}: only {} cells shine as before", remaining[1]);
     }
     Ok(())
 }

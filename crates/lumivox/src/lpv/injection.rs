@@ -13,7 +13,7 @@ use crate::wgsl::{GRID, POINT, SH, VIEW, VISIBILITY, linear_groups};
 use super::{AREA, HALF_CELL};
 
 /// Fixed-point steps of a sum per cell face of the largest radiance. A sum has room for 62 such faces.
-pub(super) const LIGHT_STEPS: f64 = (1u32 << 25) as f64;
+pub(crate) const LIGHT_STEPS: f64 = (1u32 << 25) as f64;
 
 pub(super) const SHADER: Shader = Shader {
     name: "lpv/injection",

@@ -53,8 +53,10 @@ use crate::volume::{VolumeBuffer, check_grid};
 
 use geometry::Geometry;
 
+pub(crate) use injection::LIGHT_STEPS;
+
 /// The shared shader part of points that stand for an area.
-const AREA: &str = include_str!("area.wgsl");
+pub(crate) const AREA: &str = include_str!("area.wgsl");
 /// The shared shader part of the geometry volume's cells.
 const GEOMETRY: &str = include_str!("geometry.wgsl");
 /// How far virtual point lights lie before their surface, and the points that pixels ask, in cells.

@@ -1,4 +1,5 @@
-//! Cleanup (6.2.1, Listing 6.1; dissertation 7.4.1): what a depth image proves empty is cleared, by one of two rules.
+//! Cleanup (6.2.1, Listing 6.1; dissertation 7.4.1): what a depth image proves empty is cleared, by one of three
+//! rules.
 //!
 //! **`center`**, the papers': the cell's centre is projected into the view. With `p` its distance along the view direction and
 //! `z` the distance of what the depth image shows at that texel, the cell is cleared when `p < z - b`. The bias `b` is half
@@ -19,7 +20,7 @@
 //! farthest corner lies behind a floor that passes below a cell or beside it, so `footprint` keeps what has been left there;
 //! the rays leave the cell before they meet the floor. A surface within the cell, or up to 1/64 cell around it, keeps it.
 //!
-//! A texel on which nothing was drawn shows the far plane: what lies before it is empty, by either rule.
+//! A texel on which nothing was drawn shows the far plane: what lies before it is empty, by every rule.
 
 use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader};
 use crate::volume::VolumeBuffer;
@@ -53,8 +54,10 @@ pub enum CleanupRule {
     /// stands against a silhouette or reaches out of the picture goes when a view sees it whole.
     #[default]
     Footprint,
-    /// Something farther, at every texel that the cell touches, than where the ray through it leaves the cell. As safe as
-    /// [`Self::Footprint`], and more of what is stale beside a floor or a wall goes; costs some six planes a texel.
+    /// Something farther, at every texel that the cell touches, than where the ray through it leaves the cell. More of what is stale
+    /// beside a floor or a wall goes. Where cells are smaller than two texels, more good ones at silhouettes go too: of a model that
+    /// stands still 0.7 % of the cells in a frame of an orbit at 256 cells a side, where [`Self::Footprint`] loses 0.09 %. Costs some six
+    /// planes a texel.
     Rays,
 }
 

@@ -1,21 +1,23 @@
-//! The lighting rule (6.3): the sums of one light become means, which are added to the direct light of their cells, or
-//! replace it when they come from the camera.
+//! The sums of one light become means, or are taken as they are, and are added to the direct light of their cells, or replace it
+//! when they come from the camera: see [`light_rule`](super::light_rule).
 
 use crate::gpu::{Bindings, Buffer, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{GRID, PACK, VIEW, ViewUniform, linear_groups};
 
-use super::{DirectLight, LIGHT_SUM_WORDS};
+use super::light_injection::Summed;
+use super::{DirectLight, LIGHT_SUM_WORDS, LightRule};
 
-pub(super) const SHADER: Shader = Shader {
-    name: "progressive/light_resolve",
-    parts: &[GRID, VIEW, PACK, include_str!("light_resolve.wgsl")],
-};
+const PASS: &str = include_str!("light_resolve.wgsl");
+pub(super) const PULLED: Shader =
+    Shader { name: "progressive/light_resolve", parts: &[GRID, VIEW, PACK, LightRule::PULLED, PASS] };
+pub(super) const STORED: Shader =
+    Shader { name: "progressive/light_resolve stored", parts: &[GRID, VIEW, PACK, LightRule::STORED, PASS] };
 
 /// What happens to the light that a cell already has this frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Replace {
-    /// The mean of one light is added to it.
+    /// What one light brings is added to it.
     No,
     /// The mean of the camera's samples, which hold all lights, takes its place.
     Yes,
@@ -35,9 +37,10 @@ impl Replace {
 pub(super) struct LightResolve(ComputePass);
 
 impl LightResolve {
-    pub(super) fn new(gpu: &Gpu, replace: Replace) -> Self {
-        let constants = [("ADDS", replace.adds()), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)];
-        Self(ComputePass::new(gpu, &SHADER, &constants))
+    pub(super) fn new(gpu: &Gpu, rule: LightRule, replace: Replace, summed: Summed) -> Self {
+        let shader = if rule == LightRule::Stored { STORED } else { PULLED };
+        let own = [("ADDS", replace.adds()), ("LIGHT_SUM_WORDS", LIGHT_SUM_WORDS as f64)];
+        Self(ComputePass::new(gpu, &shader, &[own, summed.constants()].concat()))
     }
 
     pub(super) fn record(
@@ -46,13 +49,16 @@ impl LightResolve {
         encoder: &mut wgpu::CommandEncoder,
         (view, volume): (&Uniform<ViewUniform>, &VolumeBuffer),
         light_sums: &Buffer,
-        light: &mut DirectLight,
+        (light, reached): (&mut DirectLight, Option<&mut Buffer>),
     ) -> Result<(), GpuError> {
-        let bindings = Bindings::new()
+        let mut bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
             .read("view", view)
             .read("light_sums", light_sums)
             .write("light", &mut light.sh);
+        if let Some(reached) = reached {
+            bindings = bindings.write("reached", reached);
+        }
         self.0.record(gpu, encoder, &bindings, linear_groups(volume.grid().cell_count() as u32))
     }
 }

@@ -4,7 +4,7 @@
 //! it is called incremental voxelization.
 //!
 //! Each frame has two phases. *Cleanup* asks each view about each occupied cell: one that lies before everything that the
-//! view's depth image shows there is proven empty and cleared, by one of two rules ([`CleanupRule`]). It runs once per view,
+//! view's depth image shows there is proven empty and cleared, by one of three rules ([`CleanupRule`]). It runs once per view,
 //! each in its own ping-pong turn. *Injection* then turns the views' texels into surface points, and the cells they fall
 //! in are written. Cells that no view sees keep what they held: that is what makes the volume grow over the frames.
 //!
@@ -15,13 +15,11 @@
 //! What a view must bring is [`ViewTextures`]. The camera's G-buffer and the lights' reflective shadow maps have the
 //! same pictures, and any other depth image with attributes will do.
 //!
-//! **Lighting rule** (6.3, two traps closed). Attributes persist, light does not. Each frame the direct light of a
-//! cell is, per light, the *mean* exitant radiance of the samples of that light's map that fall in it, summed over the lights;
-//! where camera samples fall in, their mean *replaces* that sum, since the camera's picture holds all lights at once. A
-//! mean does not grow with the number of points, and what is made afresh each frame cannot outlive its lamp. The
-//! paper adds samples up, and keeps light of cells that no view sees until one does.
+//! **Lighting rule** (6.3): attributes persist, and light does as [`LightRule`] says. By default it does not: what is made afresh
+//! in each frame cannot outlive its lamp. By the papers' rule it stays in cells that no view samples until one does.
 //!
-//! **Limits.** Extents stay fixed while a volume lives. Stale cells that no view sees stay (6.6).
+//! **Limits.** Of [`Progressive`] and [`SinglePass`]: extents stay fixed while a volume lives, and stale cells that no view sees stay
+//! (6.6). Volumes of bricks, [`ProgressiveVoxelizer`], may move and let cells die of age.
 
 mod attribute_view;
 mod bricks;
@@ -29,9 +27,13 @@ mod cascade;
 mod channel;
 mod cleanup;
 mod dense;
+mod direct_light;
 mod injection;
 mod light_injection;
 mod light_resolve;
+mod light_rule;
+mod light_stages;
+mod light_store;
 mod nearest;
 mod points;
 mod resolve;
@@ -39,10 +41,8 @@ mod single_pass;
 mod static_cells;
 mod view;
 
-use glam::Vec4;
-
 use crate::gpu::{Buffer, GeneratedText, Gpu, GpuError, Shader};
-use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid, half4};
+use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid};
 
 pub use attribute_view::AttributeView;
 pub use bricks::{
@@ -56,8 +56,10 @@ pub use cascade::{
 pub use channel::{AttributeChannel, AttributeKind};
 pub use cleanup::CleanupRule;
 pub use dense::{DenseVoxelizer, Storage};
+pub use direct_light::DirectLight;
 pub use injection::SURFACE_SHIFT;
 pub use light_injection::LIGHT_SUM_WORDS;
+pub use light_rule::{LightRule, Rules};
 pub use points::{InjectionGrid, InjectionPattern};
 pub use single_pass::SinglePass;
 pub use static_cells::StaticCells;
@@ -65,55 +67,21 @@ pub use view::{InjectionScale, LightView, ViewInput, ViewTextures};
 
 use cleanup::Cleanup;
 use injection::{ATTRIBUTE_SUM_WORDS, Injection};
-use light_injection::LightInjection;
-use light_resolve::{LightResolve, Replace};
+use light_stages::{LightStages, Sampler};
 use resolve::Resolve;
 
 /// The channels that progressive voxelization keeps up.
 pub const CHANNELS: [&str; 3] = [NORMAL, ALBEDO, EMISSION];
-
-/// Direct light leaving each cell: three colour bands of four spherical harmonics coefficients in half floats, 24 bytes a
-/// cell, in W/(m2 sr) times the clamped-cosine lobe about the surface normal, so that the integral over the sphere is
-/// the cell's radiosity in W/m2. Entry `3 * cell + band`.
-#[derive(Debug)]
-pub struct DirectLight {
-    pub(crate) sh: Buffer,
-}
-
-impl DirectLight {
-    /// Bytes of one cell.
-    pub const CELL_BYTES: u64 = 24;
-
-    /// The coefficients, for shaders: `array<vec2u>` of packed half floats.
-    pub fn coefficients(&self) -> &Buffer {
-        &self.sh
-    }
-
-    /// Reads the coefficients back, three bands per cell. Waits; not for use inside a frame.
-    pub fn read_back(&self, gpu: &Gpu) -> Result<Vec<[Vec4; 3]>, GpuError> {
-        let packed: Vec<[[half::f16; 4]; 3]> = crate::gpu::read_buffer(gpu, &self.sh)?;
-        Ok(packed.iter().map(|cell| cell.map(|band| Vec4::from(band.map(half::f16::to_f32)))).collect())
-    }
-
-    /// Replaces the coefficients with values from memory, one entry per cell. Not for use inside a frame.
-    pub fn upload(&mut self, gpu: &Gpu, values: &[[Vec4; 3]]) {
-        let packed: Vec<_> = values.iter().map(|c| c.map(|band| half4(&band))).collect();
-        gpu.queue.write_buffer(&self.sh.raw, 0, bytemuck::cast_slice(&packed));
-    }
-}
 
 /// The stages of progressive voxelization with the sums they work in, for volumes of one grid.
 #[derive(Debug)]
 pub struct Progressive {
     cleanup: Cleanup,
     injection: Injection,
-    light_injection: LightInjection,
     resolve: Resolve,
-    add_light: LightResolve,
-    replace_light: LightResolve,
     attribute_sums: Buffer,
     /// None where light is not asked for.
-    light_sums: Option<Buffer>,
+    light: Option<LightStages>,
 }
 
 impl Progressive {
@@ -125,10 +93,13 @@ impl Progressive {
 
     /// As [`Self::new`], with a rule of cleanup.
     pub fn with_rule(gpu: &Gpu, volume: &VolumeBuffer, rule: CleanupRule) -> Result<Self, GpuError> {
-        check_grid(gpu, "the sums of injected light", volume.grid(), LIGHT_SUM_WORDS * 4)?;
-        let bytes = volume.grid().cell_count() * LIGHT_SUM_WORDS * 4;
-        let light_sums = Buffer::storage(gpu, "injection/light sums", bytes)?;
-        Ok(Self { light_sums: Some(light_sums), ..Self::of_surfaces(gpu, volume, rule)? })
+        Self::with_rules(gpu, volume, rule.into())
+    }
+
+    /// As [`Self::new`], with rules of cleanup and light; light that is stored takes 96 bytes a cell in place of 92.
+    pub fn with_rules(gpu: &Gpu, volume: &VolumeBuffer, rules: Rules) -> Result<Self, GpuError> {
+        let light = LightStages::new(gpu, volume, rules.light)?;
+        Ok(Self { light: Some(light), ..Self::of_surfaces(gpu, volume, rules.cleanup)? })
     }
 
     /// Without the sums of light, 40 bytes a cell, for hosts that light surfaces by themselves: [`Self::record_surfaces`] takes the
@@ -140,12 +111,9 @@ impl Progressive {
         Ok(Self {
             cleanup: Cleanup::new(gpu, rule),
             injection: Injection::new(gpu),
-            light_injection: LightInjection::new(gpu),
             resolve: Resolve::new(gpu),
-            add_light: LightResolve::new(gpu, Replace::No),
-            replace_light: LightResolve::new(gpu, Replace::Yes),
             attribute_sums: Buffer::storage(gpu, "injection/attribute sums", bytes)?,
-            light_sums: None,
+            light: None,
         })
     }
 
@@ -184,14 +152,16 @@ impl Progressive {
         views.into_iter().try_for_each(|view| injection.record(gpu, encoder, view, volume, attribute_sums))
     }
 
-    /// Begins the frame's injection: no samples yet, no light anywhere.
+    /// Begins the frame's injection: no samples yet, and no light anywhere unless it is stored.
     pub fn record_begin(&mut self, encoder: &mut wgpu::CommandEncoder, light: &mut DirectLight) {
         encoder.clear_buffer(&self.attribute_sums.raw, 0, None);
-        encoder.clear_buffer(&light.sh.raw, 0, None);
+        if let Some(stages) = &mut self.light {
+            stages.record_begin(encoder, light);
+        }
     }
 
-    /// Injects the maps of *one* light: one view, or the six of a point light. Adds the mean of their samples to the light
-    /// of each cell they fall in, and collects the attributes they show.
+    /// Injects the maps of *one* light: one view, or the six of a point light. Adds the mean of their samples, or by the rule
+    /// [`LightRule::Stored`] their sum, to the light of each cell they fall in, and collects the attributes they show.
     pub fn record_light<'v>(
         &mut self,
         gpu: &Gpu,
@@ -200,8 +170,7 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Some(view) = self.record_points(gpu, encoder, views, volume)? else { return Ok(()) };
-        self.add_light.record(gpu, encoder, (&view.uniform, volume), with_light(&self.light_sums)?, light)
+        self.record_samples(gpu, encoder, Sampler::Light, views, volume, light)
     }
 
     /// As [`Self::record_light`], for views that add light alone: the same light is added, and no attributes are collected.
@@ -215,16 +184,16 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let sums = self.light_sums.as_mut().ok_or_else(no_light)?;
-        encoder.clear_buffer(&sums.raw, 0, None);
+        let stages = self.light.as_mut().ok_or_else(no_light)?;
+        stages.record_clear(encoder);
         let mut last = None;
         for view in views {
             let view = view.into();
-            self.light_injection.record(gpu, encoder, view, volume, sums)?;
+            stages.record_points(gpu, encoder, Sampler::Light, view, volume)?;
             last = Some(view.uniform);
         }
         let Some(view) = last else { return Ok(()) };
-        self.add_light.record(gpu, encoder, (view, volume), sums, light)
+        stages.record_resolve(gpu, encoder, Sampler::Light, (view, volume), light)
     }
 
     /// Injects the camera, after all lights: where its samples fall, their mean replaces the sum of the lights.
@@ -236,14 +205,26 @@ impl Progressive {
         volume: &VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        self.record_points(gpu, encoder, [view], volume)?;
-        let sums = with_light(&self.light_sums)?;
-        self.replace_light.record(gpu, encoder, (&view.uniform, volume), sums, light)
+        self.record_samples(gpu, encoder, Sampler::Camera, [view], volume, light)
     }
 
-    /// Ends the frame's injection: cells with samples take the mean of their attributes over all views (6.2.2). `view` is
-    /// any of the frame's views; all were updated with the same scale.
+    /// Ends the frame's injection: cells with samples take the mean of their attributes over all views (6.2.2), and stored light
+    /// of cells that are gone goes. `view` is any of the frame's views; all were updated with the same scale.
     pub fn record_end(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &ViewInput,
+        volume: &mut VolumeBuffer,
+        light: &mut DirectLight,
+    ) -> Result<(), GpuError> {
+        let stages = self.light.as_ref().ok_or_else(no_light)?;
+        stages.record_end(gpu, encoder, volume, light)?;
+        self.record_end_surfaces(gpu, encoder, view, volume)
+    }
+
+    /// As [`Self::record_end`], for frames of views that bring no light.
+    pub fn record_end_surfaces(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -253,28 +234,27 @@ impl Progressive {
         self.resolve.record(gpu, encoder, view, &self.attribute_sums, volume)
     }
 
-    /// Sums the points of the views, attributes and light; returns one of the views.
-    fn record_points<'v>(
+    /// Sums the points of the views, attributes and light, and makes light of these sums.
+    fn record_samples<'v>(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
+        sampler: Sampler,
         views: impl IntoIterator<Item = &'v ViewInput>,
         volume: &VolumeBuffer,
-    ) -> Result<Option<&'v ViewInput>, GpuError> {
-        let sums = self.light_sums.as_mut().ok_or_else(no_light)?;
-        encoder.clear_buffer(&sums.raw, 0, None);
+        light: &mut DirectLight,
+    ) -> Result<(), GpuError> {
+        let stages = self.light.as_mut().ok_or_else(no_light)?;
+        stages.record_clear(encoder);
         let mut last = None;
         for view in views {
             self.injection.record(gpu, encoder, view, volume, &mut self.attribute_sums)?;
-            self.light_injection.record(gpu, encoder, view.into(), volume, sums)?;
+            stages.record_points(gpu, encoder, sampler, view.into(), volume)?;
             last = Some(view);
         }
-        Ok(last)
+        let Some(view) = last else { return Ok(()) };
+        stages.record_resolve(gpu, encoder, sampler, (&view.uniform, volume), light)
     }
-}
-
-fn with_light(sums: &Option<Buffer>) -> Result<&Buffer, GpuError> {
-    sums.as_ref().ok_or_else(no_light)
 }
 
 fn no_light() -> GpuError {
@@ -304,12 +284,16 @@ pub(crate) fn shaders() -> Vec<Shader> {
         nearest::SHADER,
         injection::SHADER,
         light_injection::SHADER,
-        light_resolve::SHADER,
+        light_resolve::PULLED,
+        light_resolve::STORED,
+        light_store::SHADER,
         resolve::SHADER,
         single_pass::BY_CENTER,
+        single_pass::BY_CENTER_STORED,
         static_cells::SHADER,
         cascade::SHADER,
         single_pass::BY_FOOTPRINT,
+        single_pass::BY_FOOTPRINT_STORED,
     ];
     [others, of_bricks].concat()
 }

@@ -18,6 +18,9 @@
 //! the far plane. Views run one after another, so where two see a cell the later one has the last word. A cell reads and writes
 //! itself alone, in place.
 //!
+//! Light is of this frame, or stored until a view writes the cell again, as the [`LightRule`] says. With one sample per cell, its
+//! radiance is the light by either.
+//!
 //! **One sample per cell and view**, its centre, as in the papers: the cost is one read of each picture per cell, whatever
 //! the size of the pictures, and what a cell holds is what one texel shows. What that costs is told at [`SinglePass`].
 
@@ -28,7 +31,7 @@ use crate::wgsl::{GRID, PACK, SH, VIEW, VISIBILITY, linear_groups};
 use super::cleanup::{FOOTPRINT, by_rays};
 use super::light_resolve::Replace;
 use super::nearest::NearestDepth;
-use super::{CleanupRule, DirectLight, SURFACE_SHIFT, ViewInput};
+use super::{CleanupRule, DirectLight, LightRule, Rules, SURFACE_SHIFT, ViewInput};
 
 const PASS: &str = include_str!("single_pass.wgsl");
 /// The rules' texts: `is_cleared`, of a cell whose centre lies so far behind the surface, and of so much reach.
@@ -39,11 +42,19 @@ const IF_WHOLE: &str =
 
 pub(super) const BY_CENTER: Shader = Shader {
     name: "progressive/single_pass by center",
-    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, IF_CENTER, PASS],
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, IF_CENTER, LightRule::PULLED, PASS],
 };
 pub(super) const BY_FOOTPRINT: Shader = Shader {
     name: "progressive/single_pass by footprint",
-    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, FOOTPRINT, IF_WHOLE, PASS],
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, FOOTPRINT, IF_WHOLE, LightRule::PULLED, PASS],
+};
+pub(super) const BY_CENTER_STORED: Shader = Shader {
+    name: "progressive/single_pass by center, light stored",
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, IF_CENTER, LightRule::STORED, PASS],
+};
+pub(super) const BY_FOOTPRINT_STORED: Shader = Shader {
+    name: "progressive/single_pass by footprint, light stored",
+    parts: &[GRID, VIEW, VISIBILITY, PACK, SH, FOOTPRINT, IF_WHOLE, LightRule::STORED, PASS],
 };
 
 /// The single-pass form of progressive voxelization (6.2.3), for volumes of one grid: used in place of
@@ -77,6 +88,8 @@ pub struct SinglePass {
     replace: ComputePass,
     nearest: Option<NearestDepth>,
     decided: Buffer,
+    /// Not zero in cells that this frame has lit; none where light is of one frame.
+    reached: Option<Buffer>,
 }
 
 impl SinglePass {
@@ -93,28 +106,44 @@ impl SinglePass {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_rule(gpu: &Gpu, volume: &VolumeBuffer, rule: CleanupRule) -> Result<Self, GpuError> {
+        Self::with_rules(gpu, volume, rule.into())
+    }
+
+    /// As [`Self::new`], with rules of cleanup and light; light that is stored takes 8 bytes a cell in place of 4.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_rules(gpu: &Gpu, volume: &VolumeBuffer, rules: Rules) -> Result<Self, GpuError> {
         check_grid(gpu, "the direct light of a volume", volume.grid(), DirectLight::CELL_BYTES)?;
-        let is_by_center = rule == CleanupRule::Center;
+        let is_by_center = rules.cleanup == CleanupRule::Center;
+        let is_stored = rules.light == LightRule::Stored;
+        let shader = match (is_by_center, is_stored) {
+            (true, false) => BY_CENTER,
+            (true, true) => BY_CENTER_STORED,
+            (false, false) => BY_FOOTPRINT,
+            (false, true) => BY_FOOTPRINT_STORED,
+        };
         let pass = |replace: Replace| {
-            let constants = [("SURFACE_SHIFT", SURFACE_SHIFT), ("ADDS", replace.adds()), by_rays(rule)];
-            if is_by_center {
-                ComputePass::new(gpu, &BY_CENTER, &constants[..2])
-            } else {
-                ComputePass::new(gpu, &BY_FOOTPRINT, &constants)
-            }
+            let constants =
+                [("SURFACE_SHIFT", SURFACE_SHIFT), ("ADDS", replace.adds()), by_rays(rules.cleanup)];
+            let taken = if is_by_center { 2 } else { 3 };
+            ComputePass::new(gpu, &shader, &constants[..taken])
         };
         let bytes = volume.grid().cell_count() * size_of::<u32>() as u64;
+        let marks = |label| Buffer::storage(gpu, label, bytes);
         Ok(Self {
             add: pass(Replace::No),
             replace: pass(Replace::Yes),
             nearest: (!is_by_center).then(|| NearestDepth::new(gpu)),
-            decided: Buffer::storage(gpu, "single pass/decided", bytes)?,
+            decided: marks("single pass/decided")?,
+            reached: is_stored.then(|| marks("single pass/reached")).transpose()?,
         })
     }
 
-    /// Begins a frame: no light anywhere. Attributes stay.
-    pub fn record_begin(&self, encoder: &mut wgpu::CommandEncoder, light: &mut DirectLight) {
-        encoder.clear_buffer(&light.sh.raw, 0, None);
+    /// Begins a frame: no light anywhere unless it is stored. Attributes stay.
+    pub fn record_begin(&mut self, encoder: &mut wgpu::CommandEncoder, light: &mut DirectLight) {
+        let cleared = self.reached.as_ref().unwrap_or(&light.sh);
+        encoder.clear_buffer(&cleared.raw, 0, None);
     }
 
     /// The views of *one* light: one, or the six of a point light. Where a cell is written, what its texel reflects of the light
@@ -128,10 +157,11 @@ impl SinglePass {
         volume: &mut VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Self { add, nearest, decided, .. } = self;
+        let Self { add, nearest, decided, reached, .. } = self;
         encoder.clear_buffer(&decided.raw, 0, None);
+        let mut marks = (light, decided, reached.as_mut());
         let mut views = views.into_iter();
-        views.try_for_each(|view| record((add, nearest), gpu, encoder, view, volume, (light, decided)))
+        views.try_for_each(|view| record((add, nearest), gpu, encoder, view, volume, &mut marks))
     }
 
     /// The camera, after all lights: where a cell is written, the texel's light takes the place of the lights' sum.
@@ -143,9 +173,9 @@ impl SinglePass {
         volume: &mut VolumeBuffer,
         light: &mut DirectLight,
     ) -> Result<(), GpuError> {
-        let Self { replace, nearest, decided, .. } = self;
+        let Self { replace, nearest, decided, reached, .. } = self;
         encoder.clear_buffer(&decided.raw, 0, None);
-        record((replace, nearest), gpu, encoder, view, volume, (light, decided))
+        record((replace, nearest), gpu, encoder, view, volume, &mut (light, decided, reached.as_mut()))
     }
 }
 
@@ -155,7 +185,7 @@ fn record(
     encoder: &mut wgpu::CommandEncoder,
     view: &ViewInput,
     volume: &mut VolumeBuffer,
-    (light, decided): (&mut DirectLight, &mut Buffer),
+    (light, decided, reached): &mut (&mut DirectLight, &mut Buffer, Option<&mut Buffer>),
 ) -> Result<(), GpuError> {
     let groups = linear_groups(volume.grid().cell_count() as u32);
     let (grid, mut channels) = volume.current_mut();
@@ -177,6 +207,9 @@ fn record(
         .write("cell_emission", emission)
         .write("light", &mut light.sh)
         .write("decided", decided);
+    if let Some(reached) = reached {
+        bindings = bindings.write("reached", reached);
+    }
     if let Some(levels) = levels {
         bindings = bindings.read("levels", levels);
     }

@@ -1,4 +1,5 @@
-// Single-pass voxelization: one cell per invocation, cleared, kept or written by one view. `is_cleared` is made of the rule.
+// Single-pass voxelization: one cell per invocation, cleared, kept or written by one view. `is_cleared` and `keeps_light`
+// are made of the rules.
 
 @group(0) @binding(0) var<uniform> grid: GridUniform;
 @group(0) @binding(1) var<uniform> view: ViewUniform;
@@ -41,8 +42,8 @@ fn unit_normal(texel: vec2u, recorded: f32) -> vec3f {
     return normalize(facing);
 }
 
-fn write_light(at: u32, band: u32, value: vec4f) {
-    let before = select(vec4f(0.0), unpack_half4(light[at + band]), ADDS);
+fn write_light(at: u32, band: u32, value: vec4f, keeps: bool) {
+    let before = select(vec4f(0.0), unpack_half4(light[at + band]), keeps);
     light[at + band] = pack_half4(before + value);
 }
 
@@ -76,9 +77,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
             cell_emission[index] = pack_half4(vec4f(emitted, 0.0));
             let reflected = within_range(view, textureLoad(radiance, at.texel, 0).rgb);
             let leaving = sh_scaled(reflected, sh_cosine_lobe(facing));
-            write_light(3u * index, 0u, leaving.r);
-            write_light(3u * index, 1u, leaving.g);
-            write_light(3u * index, 2u, leaving.b);
+            let keeps = keeps_light(index, ADDS);
+            write_light(3u * index, 0u, leaving.r, keeps);
+            write_light(3u * index, 1u, leaving.g, keeps);
+            write_light(3u * index, 2u, leaving.b, keeps);
         }
         default: {}
     }

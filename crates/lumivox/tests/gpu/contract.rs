@@ -80,7 +80,7 @@ impl Host {
             self.progressive.record_light(gpu, e, [&lamp.input], volume, direct)?;
         }
         self.progressive.record_camera(gpu, e, &camera.input, volume, direct)?;
-        self.progressive.record_end(gpu, e, &camera.input, volume)?;
+        self.progressive.record_end(gpu, e, &camera.input, volume, direct)?;
         self.light.record_transport(gpu, e, volume)?;
         self.light.record_seed(gpu, e, volume, direct)?;
         self.light.record_propagation(gpu, e, volume, 4)?;

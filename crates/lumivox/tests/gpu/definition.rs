@@ -238,12 +238,33 @@ pub(crate) fn sample(shot: &Shot, texel: usize) -> Option<([DVec3; 3], [DVec4; 3
     Some(([n, DVec3::new(albedo[0], albedo[1], albedo[2]), rgb(picture.emission[texel])], light))
 }
 
+/// The area that one of `points` stands for, on the surface that a texel shows with this normal, in cell faces: the texels of
+/// its share of the picture at the texel's depth, turned into the surface, at most 8.
+fn faces(shot: &Shot, grid: &Grid, points: UVec2, texel: UVec2, normal: DVec3) -> f64 {
+    let size = shot.picture.size;
+    let depth = shot.picture.depth[(texel.y * size.x + texel.x) as usize];
+    let share = (size.as_dvec2() / points.as_dvec2()).element_product();
+    let middle = ndc_of_texel(texel, size);
+    let texel_size = 2.0 / size.as_dvec2();
+    let [right, down] = [DVec2::X, DVec2::Y].map(|axis| {
+        let [a, b] = [-0.5, 0.5].map(|side| lifted(&shot.view, middle + side * axis * texel_size, depth));
+        b - a
+    });
+    let along = ray(&shot.view, middle).1.normalize();
+    // What a plane across the ray catches of the texel, and what the surface has to hold of it.
+    let caught = right.cross(down).dot(along).abs() * share;
+    let area = caught / normal.dot(along).abs().max(0.05);
+    (area / f64::from(grid.cell_size).powi(2)).min(8.0)
+}
+
 /// Sums of the samples that fall in one cell: normal, albedo, emission, and three bands of light.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
     pub(crate) attributes: [DVec3; 3],
     pub(crate) light: [DVec4; 3],
+    /// The same, each sample by the share of a cell's face that its point stands for.
+    pub(crate) light_by_area: [DVec4; 3],
     /// A sample lies so near the cell's border that single precision may put it on the other side.
     pub(crate) uncertain: bool,
 }
@@ -311,8 +332,10 @@ pub(crate) fn defined_sums_of(
             for (sum, value) in sums.attributes.iter_mut().zip(attributes) {
                 *sum += value;
             }
-            for (sum, value) in sums.light.iter_mut().zip(light) {
-                *sum += value;
+            let faces = faces(shot, grid, size / stride, UVec2::new(x, y), n);
+            for (band, value) in light.into_iter().enumerate() {
+                sums.light[band] += value;
+                sums.light_by_area[band] += faces * value;
             }
         }
     }

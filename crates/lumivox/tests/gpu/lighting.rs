@@ -91,7 +91,7 @@ fn light_only(labs: &Labs) -> Result<(), Failed> {
             if with_camera {
                 progressive.record_camera(gpu, e, &camera.input, volume, light)?;
             }
-            progressive.record_end(gpu, e, &camera.input, volume)
+            progressive.record_end(gpu, e, &camera.input, volume, light)
         })?;
         Ok((uploaded, world.read(gpu)?, world.light.read_back(gpu)?))
     };

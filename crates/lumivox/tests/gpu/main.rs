@@ -33,6 +33,7 @@ mod single_pass;
 mod slicemap;
 mod slicemap_use;
 mod statics;
+mod stored_light;
 mod support;
 mod visibility;
 mod voxelize;
@@ -90,6 +91,7 @@ fn main() -> ExitCode {
         refraction_shading::TESTS,
         slicemap_use::TESTS,
         statics::TESTS,
+        stored_light::TESTS,
     ]
     .concat();
     let trials = tests

@@ -120,7 +120,7 @@ impl World {
                 progressive.record_camera(gpu, e, &camera.input, volume, light)?;
             }
             match lamps.first().copied().or(camera) {
-                Some(any) => progressive.record_end(gpu, e, &any.input, volume),
+                Some(any) => progressive.record_end(gpu, e, &any.input, volume, light),
                 None => Ok(()),
             }
         })

@@ -62,7 +62,7 @@ impl Dense {
                     progressive.record_cleanup(gpu, e, &input, &mut volume)?;
                     progressive.record_begin_surfaces(e);
                     progressive.record_surfaces(gpu, e, [&input], &volume)?;
-                    progressive.record_end(gpu, e, &input, &mut volume)
+                    progressive.record_end_surfaces(gpu, e, &input, &mut volume)
                 })?;
             }
             let input = input(gpu, rig, points);
@@ -76,7 +76,7 @@ impl Dense {
                 .median(|| {
                     timer.submit(|e| {
                         progressive.record_begin_surfaces(e);
-                        progressive.record_end(gpu, e, &input, &mut volume)
+                        progressive.record_end_surfaces(gpu, e, &input, &mut volume)
                     })
                 })?
                 .ms;
