@@ -1,13 +1,18 @@
 //! A renderer of its own that adds progressive voxelization: its device, its shader and its textures stay what they are.
 //!
-//! `cargo run -p lumivox --example host_progressive` draws a box that moves over a floor and says what each frame did to the volume.
+//! `cargo run -p lumivox --example host_progressive` draws a box that moves over a floor and says what each frame did to the volume,
+//! with its milliseconds by the device's clock. That of software drivers is wrong: there the host's own stands in, for the frame as a whole.
 //! What concerns Lumivox stands in `Voxels` and is a page long; the rest is the foreign renderer.
+
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
 use lumivox::core::{Grid, LooksAlong, MatrixConventions, View};
 use lumivox::glam::{Mat4, UVec2, UVec3, Vec3};
 use lumivox::gpu::{Gpu, GpuError, Texture, Tier};
 use lumivox::progressive::{
-    AttributeChannel, AttributeKind, AttributeView, ProgressiveVoxelizer, VoxelizerSettings,
+    AttributeChannel, AttributeKind, AttributeView, FrameClock, FrameDiagnostics, ProgressiveVoxelizer,
+    VoxelizerSettings,
 };
 use lumivox::wgpu::{self, TextureFormat as F, TextureUsages, util::DeviceExt};
 
@@ -30,7 +35,8 @@ impl Voxels {
             AttributeChannel::new("normal", AttributeKind::Normal),
             AttributeChannel::new("albedo", AttributeKind::Color(1.0)),
         ];
-        let volume = ProgressiveVoxelizer::new(&gpu, grid, &channels, VoxelizerSettings::default())?;
+        let mut volume = ProgressiveVoxelizer::new(&gpu, grid, &channels, VoxelizerSettings::default())?;
+        volume.keep_diagnostics(&gpu, FrameClock::Timestamps);
         let [depth, normal, albedo] = [&host.depth, &host.normal, &host.albedo];
         let [depth, normal, albedo] = [depth, normal, albedo].map(|t| Texture::from_raw(&gpu, t.clone()));
         let camera = AttributeView::new(&gpu, "camera", depth, normal, vec![albedo], SIZE);
@@ -62,16 +68,32 @@ impl Voxels {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let host = Host::new()?;
     let mut voxels = Voxels::new(&host)?;
+    let (finished, times) = mpsc::channel();
     for frame in 0..8 {
         let camera = Camera::new([0.3 * frame as f32 - 1.0, 2.5, 5.0], 0.38);
         let mut encoder = host.device.create_command_encoder(&Default::default());
         host.draw(&mut encoder, &camera, [0.4 * frame as f32 - 1.4, 0.5, 0.0, 0.0]);
         voxels.record(&mut encoder, &camera)?;
+        let (begun, finished) = (Instant::now(), finished.clone());
         host.queue.submit([encoder.finish()]);
-        let done = voxels.volume.diagnostics(&voxels.gpu, None)?;
+        host.queue.on_submitted_work_done(move || _ = finished.send(begun.elapsed()));
+        tell(&mut voxels, &times)?;
+    }
+    host.device.poll(wgpu::PollType::wait_indefinitely())?;
+    Ok(tell(&mut voxels, &times)?)
+}
+
+/// What the frames did to the volume that are done by now; the last one usually is not.
+fn tell(voxels: &mut Voxels, times: &mpsc::Receiver<Duration>) -> Result<(), GpuError> {
+    while let Some(done) = voxels.volume.poll_diagnostics(&voxels.gpu)? {
+        let FrameDiagnostics { frame, occupied, injected, cleaned, bytes, .. } = done;
+        let whole = times.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
+        let time = done.milliseconds.map_or_else(
+            || format!("{:.1} ms from the frame's submission to its end", 1e3 * whole.as_secs_f64()),
+            |time| format!("{time:.2} ms"),
+        );
         eprintln!(
-            "frame {frame}: {} cells in {} bricks, {} new, {} cleaned, {} bytes",
-            done.occupied, done.bricks, done.new, done.cleaned, done.bytes
+            "frame {frame}: {occupied} cells occupied, {injected} injected, {cleaned} cleaned, {bytes} bytes, {time}"
         );
     }
     Ok(())
@@ -136,7 +158,10 @@ struct Pixel { @location(0) normal: vec4f, @location(1) albedo: vec4f }
 impl Host {
     fn new() -> Result<Self, Box<dyn std::error::Error>> {
         let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()))?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            ..Default::default()
+        }))?;
         let texture = |format| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("G-buffer"),

@@ -154,7 +154,7 @@ impl Gpu {
         Ok(self.white.get_or_init(|| (texture, Sampler::new(self, &descriptor))))
     }
 
-    pub(super) fn count_created(&self) -> u64 {
+    pub(crate) fn count_created(&self) -> u64 {
         self.created.fetch_add(1, Ordering::Relaxed)
     }
 

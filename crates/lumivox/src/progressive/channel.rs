@@ -53,8 +53,8 @@ pub(super) const PICTURES: [&str; MOST_CHANNELS] =
     ["picture_0", "picture_1", "picture_2", "picture_3", "picture_4", "picture_5", "picture_6", "picture_7"];
 
 /// Words of a cell's sums: four for each channel, and a count.
-pub(super) fn sum_words(channels: &[AttributeChannel]) -> u64 {
-    4 * channels.len() as u64 + 1
+pub(super) fn sum_words(channels: u64) -> u64 {
+    4 * channels + 1
 }
 
 /// What adds to a cell's sums, and what makes means of them.
@@ -83,7 +83,7 @@ pub(super) fn sizes_text(channels: &[AttributeChannel]) -> String {
     let mut text = format!(
         "const CHANNELS: u32 = {}u;\nconst SUM_WORDS: u32 = {}u;\n\nfn channel_largest(channel: u32) -> f32 {{\n    switch channel {{\n",
         channels.len(),
-        sum_words(channels)
+        sum_words(channels.len() as u64)
     );
     for (n, channel) in channels.iter().enumerate() {
         let _ = writeln!(text, "        case {n}u: {{ return {:e}; }}", channel.largest());

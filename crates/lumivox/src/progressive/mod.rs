@@ -46,7 +46,7 @@ use crate::volume::{ALBEDO, EMISSION, NORMAL, VolumeBuffer, check_grid};
 
 pub use attribute_view::AttributeView;
 pub use bricks::{
-    BRICK_SIDE, BrickCell, BrickUniform, FrameDiagnostics, ProgressiveVoxelizer, StaticUniform,
+    BRICK_SIDE, BrickCell, BrickUniform, FrameClock, FrameDiagnostics, ProgressiveVoxelizer, StaticUniform,
     VoxelizerSettings,
 };
 pub use cascade::{

@@ -10,6 +10,7 @@ mod cells;
 mod cleanup;
 mod contract;
 mod definition;
+mod diagnostics;
 mod energy;
 mod flow;
 mod forms;
@@ -71,6 +72,7 @@ fn main() -> ExitCode {
         cleanup::TESTS,
         bricks::TESTS,
         bricks_room::TESTS,
+        diagnostics::TESTS,
         lighting::TESTS,
         light::TESTS,
         energy::TESTS,

@@ -57,6 +57,7 @@ const ENTERED: u32 = 9u;
 const LEFT: u32 = 10u;
 const REFUSED: u32 = 11u;
 const PINNED: u32 = 12u;
+const POINTS: u32 = 13u;
 
 // Of a cell: when a view last showed it, and above these bits in how many frames some did.
 const FRAME_BITS: u32 = 24u;

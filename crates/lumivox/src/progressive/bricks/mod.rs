@@ -13,10 +13,11 @@
 //! - cells that views have shown in few frames and not for long die ([`VoxelizerSettings::max_age`]);
 //! - a window that follows the viewer in whole bricks: the table is addressed modulo the window's size, so what stays in the
 //!   window stays in place and only what enters begins empty ([`ProgressiveVoxelizer::follow`]);
-//! - what each frame did, counted ([`FrameDiagnostics`]).
+//! - what each frame did, counted, without waiting for it if asked so ([`FrameDiagnostics`]).
 //!
 //! A frame is [`ProgressiveVoxelizer::update`], [`AttributeView::update`] of each view, and [`ProgressiveVoxelizer::record`].
 
+mod diagnostics;
 mod passes;
 mod readback;
 mod shared;
@@ -31,13 +32,15 @@ use crate::wgsl::GridUniform;
 
 use super::channel::{self, AttributeChannel};
 use super::{AttributeView, CleanupRule};
+use diagnostics::{Recorded, Watch};
 use passes::Passes;
 pub(super) use shared::SharedBuffers;
 use shared::Windows;
 use statics::Statics;
 use store::Store;
 
-pub use readback::{BrickCell, FrameDiagnostics};
+pub use diagnostics::{FrameClock, FrameDiagnostics};
+pub use readback::BrickCell;
 pub use statics::StaticUniform;
 pub use store::BRICK_SIDE;
 pub(super) use store::HEADER;
@@ -130,8 +133,10 @@ pub struct ProgressiveVoxelizer {
     last_share: f32,
     /// Whether that frame has been recorded.
     recorded: bool,
-    /// Views that cleaned in the last frame.
-    cleaned_by: u32,
+    /// What the last frame was recorded with.
+    last: Recorded,
+    /// Made when a host asks for it.
+    watch: Option<Watch>,
     passes: Passes,
     /// Made when something stands still.
     statics: Option<Statics>,
@@ -171,7 +176,8 @@ impl ProgressiveVoxelizer {
             turn: 0.0,
             last_share: 0.0,
             recorded: true,
-            cleaned_by: 0,
+            last: Recorded::default(),
+            watch: None,
             passes: Passes::new(gpu, channels, settings.cleanup)?,
             statics: None,
             store: Store::new(gpu, brick_dims(&grid), channels, &settings, windows)?,
@@ -257,12 +263,28 @@ impl ProgressiveVoxelizer {
         views: &[&AttributeView],
     ) -> Result<(), GpuError> {
         self.recorded = true;
+        self.last = Recorded::new(self, views.len());
+        if let Some(watch) = &self.watch {
+            watch.begin(encoder);
+        }
+        self.record_views(gpu, encoder, views)?;
+        if let Some(watch) = &mut self.watch {
+            watch.end(encoder, &self.store, self.last);
+        }
+        Ok(())
+    }
+
+    fn record_views(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        views: &[&AttributeView],
+    ) -> Result<(), GpuError> {
         let Self { passes, store, .. } = self;
         passes.record_keep(gpu, encoder, store)?;
         for view in views {
             passes.record_clean(gpu, encoder, view, store)?;
         }
-        self.cleaned_by = views.len() as u32;
         for view in views {
             passes.record_mark(gpu, encoder, view, store)?;
         }

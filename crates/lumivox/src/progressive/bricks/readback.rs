@@ -5,7 +5,6 @@ use half::f16;
 use lumivox_core::HostVolume;
 
 use crate::gpu::{Gpu, GpuError, read_buffer};
-use crate::progressive::channel::sum_words;
 
 use super::ProgressiveVoxelizer;
 use super::store::{BRICK_CELLS, BRICK_SIDE, HEADER};
@@ -32,60 +31,7 @@ struct Place {
     is_static: bool,
 }
 
-/// What the last recorded frame did.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FrameDiagnostics {
-    /// Cells that hold a surface.
-    pub occupied: u32,
-    /// Those of them that belong to what stands still.
-    pub pinned: u32,
-    /// Cells that points fell into.
-    pub injected: u32,
-    /// Those of them that were empty before.
-    pub new: u32,
-    /// Cells that a view proved empty.
-    pub cleaned: u32,
-    /// Cells that no view had shown for too long.
-    pub died: u32,
-    /// Bricks in use, made and given back.
-    pub bricks: u32,
-    /// Bricks that were made.
-    pub entered: u32,
-    /// Bricks that were given back.
-    pub left: u32,
-    /// Points, and bricks of points, that found no room.
-    pub refused: u32,
-    /// Bytes of the volume that were read and written: table, headers, lists, sums, values and ages, without the views' pictures.
-    pub bytes: u64,
-    /// Milliseconds, if the host measured them.
-    pub milliseconds: Option<f64>,
-}
-
 impl ProgressiveVoxelizer {
-    /// What the last recorded frame did. Waits.
-    pub fn diagnostics(&self, gpu: &Gpu, milliseconds: Option<f64>) -> Result<FrameDiagnostics, GpuError> {
-        let counters: Vec<u32> = read_buffer(gpu, &self.store.counters)?;
-        let [.., kept, injected, new, cleaned, died, entered, left, refused, pinned] = counters[..13] else {
-            return Ok(FrameDiagnostics::default());
-        };
-        let (side, touched) = (self.side() as usize, counters[3].min(self.settings.bricks_in_view));
-        let bricks = counters[side];
-        Ok(FrameDiagnostics {
-            occupied: kept + new - cleaned,
-            pinned,
-            injected,
-            new,
-            cleaned,
-            died,
-            bricks,
-            entered,
-            left,
-            refused,
-            bytes: self.traffic(bricks, touched, injected, kept),
-            milliseconds,
-        })
-    }
-
     /// The numbers of the occupied cells, as [`BrickCell::cell`], in no order. Waits.
     pub fn read_occupied(&self, gpu: &Gpu) -> Result<Vec<IVec3>, GpuError> {
         Ok(self.read_places(gpu)?.into_iter().map(|place| place.cell).collect())
@@ -154,19 +100,5 @@ impl ProgressiveVoxelizer {
             volume.insert(&channel.name, values);
         }
         Ok(volume)
-    }
-
-    /// Bytes of the volume that a frame reads and writes, without the look-ups of points in the table, which the caches hold.
-    fn traffic(&self, bricks: u32, touched: u32, injected: u32, kept: u32) -> u64 {
-        let [bricks, touched, injected, kept] = [bricks, touched, injected, kept].map(u64::from);
-        let (views, channels) = (u64::from(self.cleaned_by), self.channels.len() as u64);
-        let sum_bytes = 4 * sum_words(&self.channels);
-        // Slot and header, and the next list.
-        let keep = bricks * (4 + 20 + 4) + if self.settings.max_age > 0 { 4 * kept } else { 0 };
-        // Slot, bits and number of each brick.
-        let clean = views * bricks * (4 + 20);
-        // The counts of touched bricks; of cells with points the sums added to, read and zeroed, values, bits and age.
-        let resolve = touched * (4 + 4 * BRICK_CELLS) + injected * (3 * sum_bytes + 8 * channels + 8 + 8);
-        keep + clean + resolve
     }
 }

@@ -18,10 +18,11 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         return;
     }
     let at = SUM_WORDS * (BRICK_CELLS * place + number);
-    let count = f32(sums[at + SUM_WORDS - 1u]);
-    if count == 0.0 {
+    let points = sums[at + SUM_WORDS - 1u];
+    if points == 0 {
         return;
     }
+    let count = f32(points);
     let slot = lists[touched_start(bricks) + place];
     let cell = BRICK_CELLS * slot + number;
     for (var channel = 0u; channel < CHANNELS; channel++) {
@@ -36,6 +37,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let frames = select(min((shown[cell] >> FRAME_BITS) + 1u, MOST_FRAMES), 1u, is_new);
     shown[cell] = frames << FRAME_BITS | (bricks.frame & ((1u << FRAME_BITS) - 1u));
     atomicAdd(&counters[INJECTED], 1u);
+    atomicAdd(&counters[POINTS], u32(points));
     if is_new {
         atomicAdd(&counters[NEW_CELLS], 1u);
     }

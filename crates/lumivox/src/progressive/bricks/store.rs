@@ -78,7 +78,7 @@ impl Store {
             groups: Buffer::with_usage(gpu, "bricks/groups", 36, usage),
             values,
             shown: storage("bricks/shown", slots * BRICK_CELLS)?,
-            sums: storage("bricks/sums", seen * BRICK_CELLS * sum_words(channels))?,
+            sums: storage("bricks/sums", seen * BRICK_CELLS * sum_words(channels.len() as u64))?,
             boxes: storage("bricks/boxes", 8 * MOST_BOXES as u64)?,
         };
         // Low slots are given out first.

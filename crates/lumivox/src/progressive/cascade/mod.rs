@@ -21,7 +21,7 @@ use lumivox_core::{Bounds, Grid, View};
 
 use crate::gpu::{Buffer, Gpu, GpuError, Shader, Uniform, renumbered};
 
-use super::bricks::{BRICK_SIDE, FrameDiagnostics, SharedBuffers};
+use super::bricks::{BRICK_SIDE, FrameClock, FrameDiagnostics, SharedBuffers};
 use super::{AttributeChannel, AttributeView, ProgressiveVoxelizer, VoxelizerSettings};
 
 pub use cells::{CascadeCells, CascadeSample};
@@ -180,6 +180,35 @@ impl Cascade {
     /// What the last recorded frame did to each level. Waits.
     pub fn diagnostics(&self, gpu: &Gpu) -> Result<Vec<FrameDiagnostics>, GpuError> {
         self.levels.iter().map(|level| level.diagnostics(gpu, None)).collect()
+    }
+
+    /// From the next frame on, what frames did comes to memory by itself, as [`ProgressiveVoxelizer::keep_diagnostics`]; each level is timed
+    /// by itself.
+    pub fn keep_diagnostics(&mut self, gpu: &Gpu, clock: FrameClock) {
+        self.levels.iter_mut().for_each(|level| level.keep_diagnostics(gpu, clock));
+    }
+
+    /// What the oldest frame did to each level, as [`ProgressiveVoxelizer::poll_diagnostics`]: all of the same frame. Never waits.
+    ///
+    /// # Errors
+    /// A failure of the device.
+    pub fn poll_diagnostics(&mut self, gpu: &Gpu) -> Result<Option<Vec<FrameDiagnostics>>, GpuError> {
+        loop {
+            let fronts = self.levels.iter_mut().map(|level| level.polled_frame(gpu));
+            let fronts: Option<Vec<u32>> = fronts.collect::<Result<_, _>>()?;
+            let Some(fronts) = fronts else { return Ok(None) };
+            let newest = fronts.iter().copied().max().unwrap_or(0);
+            if fronts.iter().all(|frame| *frame == newest) {
+                let taken = self.levels.iter_mut().map(|level| level.poll_diagnostics(gpu));
+                return taken.collect();
+            }
+            // A frame that a level has passed over, for another thread may free its room meanwhile: it is left out of all.
+            for (level, frame) in self.levels.iter_mut().zip(fronts) {
+                if frame < newest {
+                    level.poll_diagnostics(gpu)?;
+                }
+            }
+        }
     }
 
     /// All levels in memory. Waits.

@@ -69,7 +69,7 @@ impl DenseVoxelizer {
             let reason = "the first channel of a volume over all cells holds normals".to_owned();
             return Err(GpuError::Validation(reason));
         }
-        let cell_bytes = 4 * sum_words(channels);
+        let cell_bytes = 4 * sum_words(channels.len() as u64);
         check_grid(gpu, "the sums of injected attributes", &grid, cell_bytes)?;
         Ok(Self {
             grid,
