@@ -6,7 +6,7 @@
 @group(0) @binding(3) var<storage, read> due: DueSurfels;
 @group(0) @binding(4) var<storage, read> light: array<vec4f>;
 @group(0) @binding(5) var<storage, read> hits: array<u32>;
-// Radiance that leaves a surfel (xy), and its irradiance from surfaces (zw).
+// Radiance that leaves a surfel (xy), and its irradiance from surfaces with the deviation of its brightness (zw).
 @group(0) @binding(6) var<storage, read> before: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> after: array<vec4u>;
 // Mean radiance of the sky over a surfel's rays.
@@ -14,18 +14,22 @@
 
 const PI: f32 = 3.1415927;
 
-// Mean radiance of the surfaces that the surfel's rays met.
-fn gathered(place: u32) -> vec3f {
+// Mean radiance of the surfaces that the surfel's rays met, and how far its brightness may be off: one standard deviation.
+fn gathered(place: u32) -> vec4f {
     var sum = vec3f(0.0);
+    var squares = 0.0;
     var known = 0.0;
     for (var ray = 0u; ray < settings.rays; ray++) {
         let hit = hits[place * settings.rays + ray];
         known += select(0.0, 1.0, is_known(hit));
         if hit < FIRST_SKY_HIT {
-            sum += unpack_half4(before[hit].xy).rgb;
+            let radiance = unpack_half4(before[hit].xy).rgb;
+            sum += radiance;
+            squares += brightness(radiance) * brightness(radiance);
         }
     }
-    return sum / max(known, 1.0);
+    let mean = sum / max(known, 1.0);
+    return vec4f(mean, deviation_of_mean(brightness(mean), squares, known));
 }
 
 @compute @workgroup_size(64)
@@ -36,8 +40,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     }
     let place = due.surfels[nth].x;
     let cell = due.surfels[nth].y;
-    let mean = gathered(place);
-    let irradiance = pack_half4(vec4f(PI * mean, 0.0));
+    let found = gathered(place);
+    let mean = found.rgb;
+    let irradiance = pack_half4(PI * found);
     if light[place].w == INHERITED {
         after[place] = vec4u(before[place].xy, irradiance);
         return;

@@ -30,8 +30,8 @@ impl Fade {
             .read("settings", settings)
             .read("surfels", &store.surfels)
             .read("light", &store.light)
-            .read("sky_light", &store.sky_light)
             .read("shine", &store.shine)
+            .read("smoothed", &store.smoothed)
             .write("shown", &mut store.shown);
         self.0.record_indirect(gpu, encoder, &bindings, &store.dispatch, dispatch::OVER_SURFELS)
     }

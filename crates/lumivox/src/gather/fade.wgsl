@@ -4,11 +4,10 @@
 @group(0) @binding(0) var<uniform> settings: GatherUniform;
 @group(0) @binding(1) var<storage, read> surfels: array<vec4u>;
 @group(0) @binding(2) var<storage, read> light: array<vec4f>;
-@group(0) @binding(3) var<storage, read> sky_light: array<vec2u>;
-@group(0) @binding(4) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(3) var<storage, read> shine: array<vec4u>;
+@group(0) @binding(4) var<storage, read> smoothed: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> shown: array<vec4u>;
 
-const PI: f32 = 3.1415927;
 // The part of its way that the light of a surfel goes in a frame that has just moved: nine tenths in seven frames.
 const AFTER_MOTION: f32 = 0.3;
 
@@ -32,10 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     let radiance = unpack_half4(shine[place].xy);
-    var irradiance = unpack_half4(shine[place].zw);
-    if settings.sky_apart == 0u {
-        irradiance += PI * unpack_half4(sky_light[place]);
-    }
+    let irradiance = unpack_half4(smoothed[place]);
     let step = step_of(light[place].w, frames_to_turn(surfels[place].x / SIDES));
     let before = shown[place];
     shown[place] = vec4u(

@@ -5,11 +5,11 @@ use crate::gpu::{Bindings, ComputePass, Gpu, GpuError, Shader, Uniform};
 use crate::volume::VolumeBuffer;
 use crate::wgsl::{FACE, GRID, OCTAHEDRON, PACK};
 
-use super::{GatherUniform, MARCH, SURFEL, Store, TURN, dispatch};
+use super::{BESIDE, GatherUniform, MARCH, SURFEL, Store, TURN, dispatch};
 
 pub(super) const SHADER: Shader = Shader {
     name: "gather/inherit",
-    parts: &[GRID, FACE, PACK, OCTAHEDRON, SURFEL, MARCH, TURN, include_str!("inherit.wgsl")],
+    parts: &[GRID, FACE, PACK, OCTAHEDRON, SURFEL, MARCH, BESIDE, TURN, include_str!("inherit.wgsl")],
 };
 
 #[derive(Debug)]

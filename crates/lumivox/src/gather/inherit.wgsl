@@ -11,18 +11,9 @@
 @group(0) @binding(8) var<storage, read_write> shine: array<vec4u>;
 @group(0) @binding(9) var<storage, read_write> shown: array<vec4u>;
 
-// Cosine between the normals of surfels that may take after each other.
-const ALIKE: f32 = 0.7;
-
 // One that was made in this frame has no rays yet; only these are written here, and only the others read.
 fn is_just_made(place: u32) -> bool {
     return hits[place * settings.rays] == UNTRACED;
-}
-
-// A point just off the middle of a surfel, in sub-cells.
-fn point_before(surfel: Surfel) -> vec3f {
-    let corner = subcell_corner(cell_from_index(grid, surfel.cell), nth_bit(surfel.bits, bit_count(surfel.bits) / 2u));
-    return corner + 0.5 + 0.75 * FACE_NORMALS[surfel.side / 2u];
 }
 
 // The sums of what is sent out, and of the irradiance that is shown; the last number is the sum of weights.
@@ -48,25 +39,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
         return;
     }
     let surfel = unpack_surfel(surfels[place]);
-    let here = vec3i(cell_from_index(grid, surfel.cell));
-    let point = point_before(surfel);
-    let face = 2u * (surfel.side / 2u);
     var sum = Taken(vec4f(0.0), vec4f(0.0), vec4f(0.0));
-    for (var n = 0u; n < 54u; n++) {
-        let offset = vec3i(vec3u((n / 2u) % 3u, (n / 6u) % 3u, n / 18u)) - 1;
-        if !cell_in_grid(grid, here + offset) {
-            continue;
-        }
-        let donor = table[SIDES * cell_index(grid, vec3u(here + offset)) + face + (n & 1u)];
+    for (var n = 0u; n < PLACES_AROUND; n++) {
+        let donor = place_around(surfel, n);
         if donor == NO_SURFEL || is_just_made(donor) {
             continue;
         }
         let other = unpack_surfel(surfels[donor]);
-        // Where a surface has come forward the others' points lie in it by now; they are looked for at its level.
-        let outward = FACE_NORMALS[surfel.side / 2u];
-        let behind = max(dot(point - point_before(other), outward), 0.0);
-        let way = point_before(other) + behind * outward - point;
-        if dot(other.normal, surfel.normal) > ALIKE && march(point, way, 1.0).ended == REACHED_LIMIT {
+        let way = way_beside(surfel, other);
+        if dot(other.normal, surfel.normal) > ALIKE && sees_beside(surfel, way) {
             // A cell away counts 15 times as much as two cells across: light changes over that.
             let nearness = 1.0 / (1.0 + dot(way, way));
             sum = with_donor(sum, nearness * nearness * nearness * nearness, donor);

@@ -66,6 +66,7 @@ mod readback;
 mod reconstruction;
 mod settings;
 mod sky_light;
+mod smooth;
 mod store;
 mod surfels;
 mod trace;
@@ -94,6 +95,8 @@ const SURFEL: &str = include_str!("surfel.wgsl");
 const MARCH: &str = include_str!("march.wgsl");
 /// Where a pixel looks from; after [`MARCH`].
 const FREE_POINT: &str = include_str!("free_point.wgsl");
+/// Which surfels lie beside each other; after [`MARCH`].
+const BESIDE: &str = include_str!("beside.wgsl");
 /// Whose turn it is; after [`SURFEL`], with `settings` bound.
 const TURN: &str = include_str!("turn.wgsl");
 /// Which surfel a ray met; after [`MARCH`].
@@ -330,6 +333,7 @@ impl GatheredLight {
             passes.bounce.record(gpu, encoder, (volume, uniform), store)?;
             std::mem::swap(&mut store.shine, &mut store.next_shine);
         }
+        passes.smooth.record(gpu, encoder, (volume, uniform), store)?;
         self.record_fade(gpu, encoder)
     }
 
@@ -421,6 +425,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         glossy::SHADER,
         own_light::SHADER,
         bounce::SHADER,
+        smooth::SHADER,
         fade::SHADER,
         reconstruction::SHADER,
     ]

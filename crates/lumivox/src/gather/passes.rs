@@ -2,7 +2,7 @@
 
 use super::{
     bounce, dark, direct, dispatch, due, fade, given_subcells, glossy, inherit, lattice, mask, own_light,
-    reconstruction, sky_light, surfels, trace, view_subcells,
+    reconstruction, sky_light, smooth, surfels, trace, view_subcells,
 };
 use crate::gpu::Gpu;
 
@@ -26,6 +26,7 @@ pub(super) struct Passes {
     pub(super) lattice: lattice::Lattice,
     pub(super) own_light: own_light::OwnLight,
     pub(super) bounce: bounce::Bounce,
+    pub(super) smooth: smooth::Smooth,
     pub(super) fade: fade::Fade,
     /// By what is known of sub-cells, as [`super::Subcells`] counts.
     pub(super) reconstruction: [reconstruction::Reconstruction; 3],
@@ -54,6 +55,7 @@ impl Passes {
             lattice: lattice::Lattice::new(gpu),
             own_light: own_light::OwnLight::new(gpu),
             bounce: bounce::Bounce::new(gpu),
+            smooth: smooth::Smooth::new(gpu),
             fade: fade::Fade::new(gpu),
             reconstruction: reconstruction::Reconstruction::of_each(gpu, false),
             leaks: reconstruction::Reconstruction::of_each(gpu, true),

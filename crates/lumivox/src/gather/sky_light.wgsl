@@ -14,13 +14,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     }
     let place = due.surfels[nth].x;
     var sum = vec3f(0.0);
+    var squares = 0.0;
     var known = 0.0;
     for (var ray = 0u; ray < settings.rays; ray++) {
         let hit = hits[place * settings.rays + ray];
         known += select(0.0, 1.0, is_known(hit));
         if is_sky_hit(hit) {
-            sum += sky[hit - FIRST_SKY_HIT].rgb;
+            let radiance = sky[hit - FIRST_SKY_HIT].rgb;
+            sum += radiance;
+            squares += brightness(radiance) * brightness(radiance);
         }
     }
-    sky_light[place] = pack_half4(vec4f(sum / max(known, 1.0), 0.0));
+    let mean = sum / max(known, 1.0);
+    sky_light[place] = pack_half4(vec4f(mean, deviation_of_mean(brightness(mean), squares, known)));
 }

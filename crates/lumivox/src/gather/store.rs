@@ -30,6 +30,7 @@ pub(super) struct Store {
     pub(super) sky_light: Buffer,
     pub(super) shine: Buffer,
     pub(super) next_shine: Buffer,
+    pub(super) smoothed: Buffer,
     pub(super) shown: Buffer,
 }
 
@@ -66,6 +67,7 @@ impl Store {
             sky_light: make("sky light", capacity * 8)?,
             shine: make("shine", capacity * 16)?,
             next_shine: make("next shine", capacity * 16)?,
+            smoothed: make("smoothed", capacity * 8)?,
             shown: make("shown", capacity * 16)?,
         };
         let capacity = capacity as u32;

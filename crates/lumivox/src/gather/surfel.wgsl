@@ -93,6 +93,16 @@ fn nth_bit(bits: vec2u, n: u32) -> u32 {
     return firstTrailingBit(word) + select(32u, 0u, n < low);
 }
 
+// Of a colour (Rec. 709).
+fn brightness(color: vec3f) -> f32 {
+    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// The standard deviation of a mean of so many numbers, from the sum of their squares.
+fn deviation_of_mean(mean: f32, squares: f32, count: f32) -> f32 {
+    return sqrt(max(squares / max(count, 1.0) - mean * mean, 0.0) / max(count, 1.0));
+}
+
 // A number that looks random, 0 to 1.
 fn hashed(a: u32, b: u32) -> f32 {
     var h = a * 747796405u + b * 2891336453u + 2654435769u;

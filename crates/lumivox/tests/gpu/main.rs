@@ -15,6 +15,7 @@ mod energy;
 mod flow;
 mod forms;
 mod gather;
+mod gather_grain;
 mod gather_proof;
 mod gather_turns;
 mod gather_views;
@@ -82,6 +83,7 @@ fn main() -> ExitCode {
         gather_views::TESTS,
         gather_proof::TESTS,
         gather_turns::TESTS,
+        gather_grain::TESTS,
         irradiance::TESTS,
         irradiance_sources::TESTS,
         lpv::TESTS,
