@@ -257,6 +257,9 @@ fn faces(shot: &Shot, grid: &Grid, points: UVec2, texel: UVec2, normal: DVec3) -
     (area / f64::from(grid.cell_size).powi(2)).min(8.0)
 }
 
+/// Error of a depth value lifted in single precision, in cells.
+pub(crate) const LIFT_ERROR: f64 = 5e-4;
+
 /// Sums of the samples that fall in one cell: normal, albedo, emission, and three bands of light.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Sums {
@@ -298,8 +301,6 @@ pub(crate) fn defined_sums_of(
     stride: u32,
     takes: &dyn Fn(UVec2) -> bool,
 ) -> Vec<Sums> {
-    /// Error of a depth value lifted in single precision, in cells.
-    const CLEAR_OF_BORDER: f64 = 5e-4;
     let mut cells = vec![Sums::default(); grid.cell_count() as usize];
     for shot in shots {
         let size = shot.picture.size;
@@ -314,7 +315,7 @@ pub(crate) fn defined_sums_of(
             let world = lifted(&shot.view, ndc_of_texel(UVec2::new(x, y), size), depth);
             let p = (world - grid.origin.as_dvec3()) / f64::from(grid.cell_size) - SURFACE_SHIFT * n;
             let inside = |c: IVec3| c.cmpge(IVec3::ZERO).all() && c.cmplt(grid.dims.as_ivec3()).all();
-            let corners = [-CLEAR_OF_BORDER, CLEAR_OF_BORDER].map(|d| (p + d).floor().as_ivec3());
+            let corners = [-LIFT_ERROR, LIFT_ERROR].map(|d| (p + d).floor().as_ivec3());
             if corners[0] != corners[1] {
                 for corner in 0..8 {
                     let c = IVec3::from_array(std::array::from_fn(|i| corners[corner >> i & 1][i]));

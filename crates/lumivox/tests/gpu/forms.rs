@@ -1,18 +1,18 @@
 //! The forms of progressive voxelization: whatever cells lie in, they are the same.
 
 use libtest_mimic::Failed;
-use lumivox::core::HostVolume;
+use lumivox::core::{Grid, HostVolume};
 use lumivox::gpu::{Gpu, GpuError};
 use lumivox::progressive::{
-    AttributeChannel, AttributeKind, AttributeView, CHANNELS, CleanupRule, DenseVoxelizer,
-    ProgressiveVoxelizer, Storage, VoxelizerSettings,
+    AttributeChannel, AttributeKind, AttributeView, CHANNELS, CleanupRule, DenseVoxelizer, InjectionPattern,
+    ProgressiveVoxelizer, Storage, ViewInput, VoxelizerSettings,
 };
 use lumivox::volume::NORMAL;
 
 use crate::bricks::{dense_channels, settings};
 use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
-use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
-use crate::support::{SCALE, Shot, World, channel, run};
+use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_grid, random_shot};
+use crate::support::{Random, SCALE, Shot, World, channel, run};
 use crate::{Labs, Test};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -24,44 +24,52 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// A volume in one of the forms.
-enum Form {
+pub(crate) enum Form {
     Bricks(Box<ProgressiveVoxelizer>),
     Dense(Box<DenseVoxelizer>),
 }
 
 /// How one is made.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+pub(crate) enum Kind {
     Bricks,
     Dense(Storage),
 }
 
 impl Kind {
-    fn make(self, gpu: &Gpu, channels: &[AttributeChannel], rule: CleanupRule) -> Result<Form, GpuError> {
+    pub(crate) fn make(
+        self,
+        gpu: &Gpu,
+        grid: Grid,
+        channels: &[AttributeChannel],
+        rule: CleanupRule,
+    ) -> Result<Form, GpuError> {
         Ok(match self {
             Self::Bricks => {
                 let settings = VoxelizerSettings { cleanup: rule, ..settings() };
-                Form::Bricks(Box::new(ProgressiveVoxelizer::new(gpu, grid(), channels, settings)?))
+                Form::Bricks(Box::new(ProgressiveVoxelizer::new(gpu, grid, channels, settings)?))
             }
             Self::Dense(storage) => {
-                Form::Dense(Box::new(DenseVoxelizer::new(gpu, grid(), channels, storage, rule)?))
+                Form::Dense(Box::new(DenseVoxelizer::new(gpu, grid, channels, storage, rule)?))
             }
         })
     }
 }
 
 impl Form {
-    /// A frame of these views.
-    fn frame(&mut self, gpu: &Gpu, views: &[(AttributeView, &Shot)]) -> Result<(), GpuError> {
-        let frame = match self {
-            Self::Bricks(bricks) => {
-                bricks.update(gpu, &[]);
-                bricks.frame()
-            }
-            Self::Dense(_) => 0,
-        };
+    /// Frame `number` of these views, the first of which is 1.
+    pub(crate) fn frame(
+        &mut self,
+        gpu: &Gpu,
+        views: &[(AttributeView, &Shot)],
+        number: u32,
+    ) -> Result<(), GpuError> {
+        if let Self::Bricks(bricks) = self {
+            bricks.update(gpu, &[]);
+            assert_eq!(bricks.frame(), number);
+        }
         for (view, shot) in views {
-            view.update(gpu, &shot.view, SCALE.attribute_points, frame);
+            view.update(gpu, &shot.view, SCALE.attribute_points, number);
         }
         let views: Vec<_> = views.iter().map(|(view, _)| view).collect();
         run(gpu, |e| match self {
@@ -70,7 +78,7 @@ impl Form {
         })
     }
 
-    fn read(&self, gpu: &Gpu) -> Result<HostVolume, GpuError> {
+    pub(crate) fn read(&self, gpu: &Gpu) -> Result<HostVolume, GpuError> {
         match self {
             Self::Bricks(bricks) => bricks.read_back(gpu),
             Self::Dense(dense) => dense.read_back(gpu),
@@ -94,35 +102,61 @@ fn textures(labs: &Labs) -> Result<(), Failed> {
     equal_to_fixed(labs, Kind::Dense(Storage::Textures))
 }
 
-/// Six frames of one to three random views each, by every rule.
+/// A random view: every other one with some of its points, and every other one in any order, split over two to four frames.
+fn patterned(gpu: &Gpu, grid: &Grid, seed: u64) -> Result<(Shot, InjectionPattern, u32), GpuError> {
+    let mut random = Random::new(seed.wrapping_add(2 << 32));
+    let (_, mut shot) = random_shot(gpu, grid, seed)?;
+    let (pattern, split) = match (6.0 * random.unit()) as u32 {
+        0..3 => (InjectionPattern::Linear, 1),
+        3 => (InjectionPattern::Linear, 2 + (3.0 * random.unit()) as u32),
+        4 => (InjectionPattern::Block, 2 + (3.0 * random.unit()) as u32),
+        _ => (InjectionPattern::Stippled, 2 + (3.0 * random.unit()) as u32),
+    };
+    let part = if random.unit() < 0.5 { 1.0 } else { 0.3 + 0.7 * random.unit() };
+    let points = (part * shot.picture.size.as_vec2()).as_uvec2();
+    let textures = shot.input.textures.clone();
+    shot.input = ViewInput::new(gpu, "test view", textures, points).with_pattern(pattern, split);
+    Ok((shot, pattern, split))
+}
+
+/// Six frames of one to three random views each in a random grid, by every rule.
 fn equal_to_fixed(labs: &Labs, kind: Kind) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
-    let shots: Vec<_> = RANDOM_SEEDS
-        .chain(ODD_SEEDS)
-        .map(|seed| random_shot(gpu, &grid(), seed))
-        .collect::<Result<_, _>>()?;
+    let mut runs = Vec::new();
+    let seeds: Vec<u64> = RANDOM_SEEDS.chain(ODD_SEEDS).collect();
+    for (number, seeds) in (0..).zip(seeds.chunks_exact(12)) {
+        let grid = random_grid(number);
+        let shots: Vec<_> =
+            seeds.iter().map(|seed| patterned(gpu, &grid, *seed)).collect::<Result<_, _>>()?;
+        runs.push((number, grid, shots));
+    }
     for rule in [CleanupRule::Center, CleanupRule::Footprint, CleanupRule::Rays] {
-        let (mut compared, mut cleaned) = (0, 0);
-        for (number, run) in shots.chunks_exact(12).step_by(2).enumerate() {
-            let mut fixed = World::new(&labs.core, grid())?;
-            let mut form = kind.make(gpu, &dense_channels(), rule)?;
+        let (mut compared, mut cleaned, mut split_views) = (0, 0, 0);
+        for (number, grid, run) in &runs {
+            let mut fixed = World::new(&labs.core, *grid)?;
+            let mut form = kind.make(gpu, *grid, &dense_channels(), rule)?;
             let groups: [&[usize]; 6] = [&[0], &[1, 2], &[3, 4, 5], &[6], &[7, 8, 9], &[10, 11]];
-            for (step, group) in groups.iter().enumerate() {
-                let shots: Vec<&Shot> = group.iter().map(|n| &run[*n].1).collect();
+            for (step, group) in (1..).zip(groups) {
+                let views: Vec<_> = group.iter().map(|n| &run[*n]).collect();
+                let shots: Vec<&Shot> = views.iter().map(|(shot, ..)| shot).collect();
                 let before = count(&fixed.read(gpu)?, NORMAL);
                 for shot in &shots {
+                    shot.input.update_frame(gpu, &shot.view, SCALE, step);
                     fixed.clean_by(gpu, rule, shot)?;
                 }
                 cleaned += before - count(&fixed.read(gpu)?, NORMAL);
                 fixed.inject(gpu, &shots, None)?;
-                let views: Vec<_> =
-                    shots.iter().map(|s| (AttributeView::of(gpu, "test view", &s.input), *s)).collect();
-                form.frame(gpu, &views)?;
+                split_views += views.iter().filter(|(_, _, split)| *split > 1).count();
+                let views = views.iter().map(|(shot, pattern, split)| {
+                    let view = AttributeView::of(gpu, "test view", &shot.input);
+                    (view.with_pattern(*pattern, *split), shot)
+                });
+                form.frame(gpu, &views.collect::<Vec<_>>(), step)?;
                 let (ours, other) = (form.read(gpu)?, fixed.read(gpu)?);
                 for name in CHANNELS {
                     let (ours, other) = (channel(&ours, name), channel(&other, name));
                     for (index, (one, other)) in ours.iter().zip(other).enumerate() {
-                        let cell = grid().cell(index);
+                        let cell = grid.cell(index);
                         let same = one.truncate() == other.truncate();
                         let occupied = name != CHANNELS[0] || one.w == other.w;
                         assert!(
@@ -140,6 +174,7 @@ fn equal_to_fixed(labs: &Labs, kind: Kind) -> Result<(), Failed> {
         }
         eprintln!("{kind:?}, {rule:?}: {compared} occupied cells are the same, {cleaned} were cleaned");
         assert!(compared > 10_000 && cleaned > 500, "the views show too little");
+        assert!(split_views > 10, "{split_views} views with split points");
     }
     Ok(())
 }
@@ -171,10 +206,10 @@ fn any_channels(labs: &Labs) -> Result<(), Failed> {
         };
         let mut found: Vec<Vec<HostVolume>> = Vec::new();
         for kind in [Kind::Dense(Storage::Buffers), Kind::Dense(Storage::Textures), Kind::Bricks] {
-            let mut form = kind.make(gpu, &channels, CleanupRule::Footprint)?;
+            let mut form = kind.make(gpu, grid(), &channels, CleanupRule::Footprint)?;
             let mut states = Vec::new();
-            for shot in [&with, &without] {
-                form.frame(gpu, &[(view_of(shot), shot)])?;
+            for (number, shot) in (1..).zip([&with, &without]) {
+                form.frame(gpu, &[(view_of(shot), shot)], number)?;
                 states.push(form.read(gpu)?);
             }
             found.push(states);

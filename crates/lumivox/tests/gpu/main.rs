@@ -36,6 +36,7 @@ mod slicemap;
 mod slicemap_use;
 mod statics;
 mod stored_light;
+mod strays;
 mod support;
 mod visibility;
 mod voxelize;
@@ -96,6 +97,7 @@ fn main() -> ExitCode {
         slicemap_use::TESTS,
         statics::TESTS,
         stored_light::TESTS,
+        strays::TESTS,
     ]
     .concat();
     let trials = tests

@@ -20,6 +20,7 @@ pub(crate) enum Shape {
     Plane { point: DVec3, normal: DVec3 },
     Sphere { center: DVec3, radius: f64 },
     Box { min: DVec3, max: DVec3 },
+    Triangle([DVec3; 3]),
 }
 
 /// A shape and its paint at a world point.
@@ -48,6 +49,14 @@ impl Shape {
                 let (t, at) = if t_in >= 0.0 { (t_in, enter) } else { (t_out, leave) };
                 let axis = at.to_array().iter().position(|v| *v == t)?;
                 (t_in <= t_out && t >= 0.0).then_some((t, DVec3::AXES[axis]))
+            }
+            Self::Triangle([a, b, c]) => {
+                let normal = (b - a).cross(c - a).normalize();
+                let t = (a - start).dot(normal) / along.dot(normal);
+                let point = start + t * along;
+                let is_inside = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
+                let hits = t >= 0.0 && is_inside(a, b) && is_inside(b, c) && is_inside(c, a);
+                hits.then_some((t, normal))
             }
         }
     }

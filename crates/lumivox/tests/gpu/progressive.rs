@@ -9,7 +9,7 @@ use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
 use crate::definition::{Sums, defined_sums, defined_sums_of, is_taken};
 use crate::picture::{Paint, Picture, Shape, Thing};
-use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
+use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_grid, random_shot};
 use crate::support::{SCALE, Shot, World, channel, is_mean};
 use crate::{Labs, Test};
 
@@ -132,8 +132,9 @@ fn injection_is_its_definition(labs: &Labs) -> Result<(), Failed> {
 fn injection_by_random_views(labs: &Labs) -> Result<(), Failed> {
     let (gpu, mut all) = (&labs.core.gpu, [0; 2]);
     for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
-        let (name, shot) = random_shot(gpu, &grid(), seed)?;
-        let mut world = World::new(&labs.core, grid())?;
+        let grid = random_grid(seed);
+        let (name, shot) = random_shot(gpu, &grid, seed)?;
+        let mut world = World::new(&labs.core, grid)?;
         world.inject(gpu, &[], Some(&shot))?;
         let counts = check_injection(gpu, &world, &[&shot], 1, &name)?;
         all = std::array::from_fn(|i| all[i] + counts[i]);

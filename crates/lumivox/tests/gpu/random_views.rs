@@ -2,7 +2,7 @@
 //! from inside, of things, of noise and of nothing.
 
 use lumivox::core::{Grid, Projection, View};
-use lumivox::glam::{DVec3, Mat4, UVec2, Vec2, Vec3, Vec3Swizzles, Vec4};
+use lumivox::glam::{DVec3, Mat4, UVec2, UVec3, Vec2, Vec3, Vec3Swizzles, Vec4};
 use lumivox::gpu::{Gpu, GpuError};
 
 use crate::picture::{Paint, Picture, Shape, Thing, halves, ndc_of_texel, ray};
@@ -23,6 +23,19 @@ pub(crate) enum Subject {
 pub(crate) const RANDOM_SEEDS: std::ops::Range<u64> = 1..49;
 /// Seeds of views as some hosts have them: moved by parts of a texel, and without a far plane where depth is reversed.
 pub(crate) const ODD_SEEDS: std::ops::Range<u64> = 49..73;
+
+/// Cells along the axes of random grids; few, since stages are made for each.
+pub(crate) const RANDOM_DIMS: [UVec3; 3] =
+    [UVec3::new(24, 17, 20), UVec3::new(13, 29, 18), UVec3::new(33, 10, 15)];
+
+/// A grid of 5 to 7 metres at its longest side, somewhere.
+pub(crate) fn random_grid(seed: u64) -> Grid {
+    let mut random = Random::new(seed.wrapping_add(1 << 32));
+    let dims = RANDOM_DIMS[(seed % 3) as usize];
+    let cell_size = (5.0 + 2.0 * random.unit()) / dims.max_element() as f32;
+    let center = 3.0 * (random.cube() - 0.5);
+    Grid { origin: center - 0.5 * cell_size * dims.as_vec3(), cell_size, dims }
+}
 
 /// A random view of the grid and what it shows.
 pub(crate) fn random_shot(gpu: &Gpu, grid: &Grid, seed: u64) -> Result<(String, Shot), GpuError> {
@@ -50,7 +63,7 @@ fn direction(random: &mut Random) -> Vec3 {
 }
 
 /// Planes near enough that single precision lifts a depth value to a few 1e-5 cells.
-fn random_view(random: &mut Random, grid: &Grid) -> View {
+pub(crate) fn random_view(random: &mut Random, grid: &Grid) -> View {
     let bounds = grid.bounds();
     let inside = random.unit() < 0.4;
     let eye = match inside {

@@ -1,6 +1,7 @@
 //! The single pass against its definition, computed in double precision, cell by cell, and beside cleanup and injection.
 
 use libtest_mimic::Failed;
+use lumivox::VolumeBuffer;
 use lumivox::core::{Grid, HostVolume, View};
 use lumivox::glam::{DVec3, DVec4, UVec2, UVec3, Vec2, Vec3, Vec4};
 use lumivox::gpu::Gpu;
@@ -10,7 +11,7 @@ use lumivox::volume::NORMAL;
 use crate::definition::{Verdict, sample, verdict};
 use crate::picture::{Paint, Shape, Thing};
 use crate::progressive::{BALL, CHEST, FLOOR, SIZE, grid, views};
-use crate::random_views::{ODD_SEEDS, RANDOM_SEEDS, random_shot};
+use crate::random_views::{ODD_SEEDS, RANDOM_DIMS, RANDOM_SEEDS, random_grid, random_shot};
 use crate::support::{Shot, World, channel, is_mean, run};
 use crate::{Labs, Test};
 
@@ -83,12 +84,20 @@ fn by_whole_cells(labs: &Labs) -> Result<(), Failed> {
 /// Each view in a volume with random contents; first as a light, then as the camera.
 fn is_defined(labs: &Labs, rule: CleanupRule) -> Result<(), Failed> {
     let gpu = &labs.core.gpu;
-    let mut single = SinglePass::with_rule(gpu, &World::new(&labs.core, grid())?.volume, rule)?;
+    // Random grids have as many cells as one of these.
+    let singles = RANDOM_DIMS.map(|dims| {
+        let of_size = VolumeBuffer::new(gpu, Grid { dims, ..grid() }, &CHANNELS)?;
+        SinglePass::with_rule(gpu, &of_size, rule)
+    });
+    let mut singles = singles.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut all = [0; 5];
     for seed in RANDOM_SEEDS.chain(ODD_SEEDS) {
-        let (name, shot) = random_shot(gpu, &grid(), seed)?;
+        let grid = random_grid(seed);
+        let (name, shot) = random_shot(gpu, &grid, seed)?;
+        let of_dims = RANDOM_DIMS.iter().zip(&mut singles).find(|(dims, _)| **dims == grid.dims);
+        let (_, single) = of_dims.ok_or("a grid of other dimensions")?;
         for (role, keep) in [("light", 1.0), ("camera", 0.0)] {
-            let mut world = World::new(&labs.core, grid())?;
+            let mut world = World::new(&labs.core, grid)?;
             world.scatter(gpu, seed)?;
             let before = State::of(gpu, &world)?;
             let World { volume, light, .. } = &mut world;
@@ -98,8 +107,8 @@ fn is_defined(labs: &Labs, rule: CleanupRule) -> Result<(), Failed> {
             })?;
             let after = State::of(gpu, &world)?;
             let mut counts = [0; 5];
-            for (index, cell) in grid().cells().enumerate() {
-                let verdict = verdict(rule, &shot, &grid(), cell);
+            for (index, cell) in grid.cells().enumerate() {
+                let verdict = verdict(rule, &shot, &grid, cell);
                 counts[match verdict {
                     Some(Verdict::NotSeen) => 0,
                     Some(Verdict::Kept) => 1,
