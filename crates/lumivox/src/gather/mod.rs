@@ -137,7 +137,7 @@ pub struct GatheredLight {
 }
 
 impl GatheredLight {
-    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 100 and 4 for each ray.
+    /// Compiles the stages and makes room: 64 bytes for each cell, and for each surfel 108 and 4 for each ray.
     ///
     /// # Errors
     /// A grid or a number of rays that does not fit the device.
