@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 use lumivox::core::Grid;
-use lumivox::gpu::{Bindings, FullscreenPass, Gpu, GpuError, Shader, Texture, Uniform};
+use lumivox::gpu::{Bindings, Buffer, FullscreenPass, Gpu, GpuError, Shader, Texture, Uniform};
 use lumivox::progressive::DirectLight;
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 use lumivox::{VolumeBuffer, wgpu, wgsl};
@@ -54,6 +54,9 @@ pub enum VoxelChannel {
     Emission,
     /// The direct light that leaves its visible face.
     Light,
+    /// In how many frames no view has shown it: red for none, then yellow to blue up to 64, and grey for more and for cells that no view
+    /// has shown.
+    Age,
     /// As [`Self::Lit`], and pink where the triangles have a surface that no view has brought into the volume yet.
     Unseen,
 }
@@ -100,26 +103,30 @@ impl VoxelView {
         self.uniform.write(gpu, &shown(channel, (low, high)));
     }
 
-    /// Draws the cells as the camera would see them; `expected` is what [`VoxelChannel::Unseen`] compares the volume with.
+    /// Draws the cells as the camera would see them; `expected` is what [`VoxelChannel::Unseen`] compares the volume with, and `ages` are
+    /// those of [`CellAges`](lumivox::progressive::CellAges) that [`VoxelChannel::Age`] shows.
     pub fn record(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         camera: &SurfaceView,
         (volume, light): (&VolumeBuffer, &DirectLight),
-        expected: Option<&VolumeBuffer>,
+        (expected, ages): (Option<&VolumeBuffer>, Option<&Buffer>),
         picture: &mut Texture,
     ) -> Result<(), GpuError> {
         let missing = || GpuError::Validation("the voxel view needs normal, albedo and emission".to_owned());
+        let normal = volume.channel(NORMAL).ok_or_else(missing)?;
         let bindings = Bindings::new()
             .read("grid", volume.grid_uniform())
             .read("view", &camera.input.uniform)
             .read("voxel_view", &self.uniform)
-            .read("normal", volume.channel(NORMAL).ok_or_else(missing)?)
+            .read("normal", normal)
             .read("albedo", volume.channel(ALBEDO).ok_or_else(missing)?)
             .read("emission", volume.channel(EMISSION).ok_or_else(missing)?)
             .read("light", light.coefficients())
-            .read("expected", expected.unwrap_or(volume).channel(NORMAL).ok_or_else(missing)?);
+            .read("expected", expected.unwrap_or(volume).channel(NORMAL).ok_or_else(missing)?)
+            // Not looked at without.
+            .read("ages", ages.unwrap_or(normal));
         self.pass.record(gpu, encoder, &bindings, picture, false)
     }
 }
@@ -135,6 +142,7 @@ fn shown(channel: VoxelChannel, (low, high): (Vec3, Vec3)) -> VoxelViewUniform {
         VoxelChannel::Emission => 3,
         VoxelChannel::Light => 4,
         VoxelChannel::Unseen => 5,
+        VoxelChannel::Age => 6,
     };
     VoxelViewUniform {
         headlight: 0.6,

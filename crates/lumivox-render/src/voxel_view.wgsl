@@ -20,8 +20,11 @@ struct VoxelViewUniform {
 @group(0) @binding(6) var<storage, read> light: array<vec2u>;
 // Normals of the volume that there would be if all surfaces had been seen.
 @group(0) @binding(7) var<storage, read> expected: array<vec2u>;
+// Of cells that views have shown 1 more than the frames since then, else 0.
+@group(0) @binding(8) var<storage, read> ages: array<u32>;
 
 const UNSEEN: u32 = 5u;
+const AGE: u32 = 6u;
 const PINK: vec3f = vec3f(1.0, 0.13, 0.45);
 
 struct Ray {
@@ -46,6 +49,22 @@ fn is_shown(index: u32) -> bool {
     return is_occupied(index) || (voxel_view.channel == UNSEEN && unpack_half4(expected[index]).w > 0.0);
 }
 
+// The most frames that are told apart.
+const LONG: f32 = 64.0;
+
+fn age_color(index: u32) -> vec3f {
+    let age = f32(ages[index]) - 1.0;
+    if age < 0.0 || age > LONG {
+        return vec3f(0.35);
+    }
+    if age == 0.0 {
+        return vec3f(0.9, 0.05, 0.03);
+    }
+    let old = log2(age) / log2(LONG);
+    let green = vec3f(0.1, 0.55, 0.25);
+    return mix(mix(vec3f(0.95, 0.75, 0.05), green, saturate(2.0 * old)), vec3f(0.05, 0.12, 0.75), saturate(2.0 * old - 1.0));
+}
+
 fn shade(index: u32, face: vec3f, direction: vec3f, shade_edge: f32) -> vec3f {
     let color = unpack_half4(albedo[index]).rgb;
     let lobe = SH_Y0 * vec4f(1.0, 1.7320508 * face);
@@ -63,6 +82,9 @@ fn shade(index: u32, face: vec3f, direction: vec3f, shade_edge: f32) -> vec3f {
     }
     // A different brightness for each axis, so that cubes read as cubes.
     let axis_shade = dot(abs(face), vec3f(0.8, 1.0, 0.62)) * (0.6 + 0.4 * abs(dot(face, direction)));
+    if voxel_view.channel == AGE {
+        return shade_edge * axis_shade * age_color(index);
+    }
     if !is_occupied(index) {
         return shade_edge * axis_shade * PINK;
     }

@@ -213,6 +213,9 @@ pub(crate) enum VoxelsArg {
     Emission,
     /// The direct light that leaves them.
     Light,
+    /// Red where a view shows them in this frame, yellow to blue where none has for up to 64 frames, grey where none has for longer;
+    /// with --voxelizer progressive or hybrid.
+    Age,
     /// As lit, and pink where triangles have a surface that no view has brought into the volume; with a --voxelizer that takes views.
     Unseen,
 }
@@ -226,6 +229,7 @@ impl From<VoxelsArg> for VoxelChannel {
             VoxelsArg::Emission => Self::Emission,
             VoxelsArg::Light => Self::Light,
             VoxelsArg::Unseen => Self::Unseen,
+            VoxelsArg::Age => Self::Age,
         }
     }
 }

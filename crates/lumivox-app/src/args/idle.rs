@@ -2,8 +2,8 @@
 
 use super::see_through::{GlassArg, SeeThroughArgs, ShadowFilterArg};
 use super::{
-    AoArg, BlockingArg, ByArg, GiArg, LayerArg, LightRuleArg, MirrorArg, ObjectArgs, ReflectionsArg,
-    RenderArgs, VoxelizerArg, VoxelsArg,
+    AoArg, BlockingArg, ByArg, CleanupArg, GiArg, LayerArg, LightRuleArg, MirrorArg, ObjectArgs,
+    ReflectionsArg, RenderArgs, VoxelizerArg, VoxelsArg,
 };
 
 /// A sentence for each option of a picture that does nothing beside the others.
@@ -15,6 +15,9 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
         Some(voxelizer) => matches!(voxelizer, VoxelizerArg::Triangles),
         None => args.frames.is_none(),
     };
+    // Views go over what the frames before have left, in one pass or in two.
+    let keeps_cells = !from_triangles && !matches!(args.shot.voxelizer, Some(VoxelizerArg::SingleFrame));
+    let tells_ages = keeps_cells && !matches!(args.shot.voxelizer, Some(VoxelizerArg::SinglePass));
     let needs_gather = matches!(args.layer, LayerArg::Glossy | LayerArg::Leaks);
     let found = [
         (!matches!(args.shot.mirror, MirrorArg::None) && !propagates, "--mirror is for --gi propagation"),
@@ -31,6 +34,14 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
         (args.light_every > 1 && !gathers, "--light-every without --gi gather lets light change in jumps"),
         (args.slice.is_some() && !shows_voxels, "--slice is for --layer voxels"),
         (!matches!(args.voxels, VoxelsArg::Lit) && !shows_voxels, "--voxels is for --layer voxels"),
+        (
+            matches!(args.voxels, VoxelsArg::Age) && shows_voxels && !tells_ages,
+            "--voxels age is for --voxelizer progressive or hybrid, and grey without",
+        ),
+        (
+            !matches!(args.shot.cleanup, CleanupArg::Footprint) && !keeps_cells,
+            "--cleanup is for --voxelizer progressive, single-pass or hybrid: no other keeps voxels that views could prove empty",
+        ),
         (
             matches!(args.voxels, VoxelsArg::Unseen) && shows_voxels && from_triangles,
             "--voxels unseen shows nothing in pink where voxels come from triangles: try --voxelizer progressive",
@@ -138,6 +149,9 @@ mod tests {
             "--frames 3 --layer voxels --light-rule stored",
             "--frames 3 --light-budget 4",
             "--layer voxels --slice y:1 --voxels unseen --voxelizer progressive",
+            "--layer voxels --voxels age --voxelizer hybrid --cleanup center",
+            "--frames 2 --cleanup rays --layer voxels --voxels age",
+            "--voxelizer single-pass --cleanup rays",
             "--layer lobes",
             "--layer lobes --gi propagation",
             "--ao field --ao-reach 2 --casters ball --field-maps nearest",
@@ -162,6 +176,12 @@ mod tests {
             "--slice y:1",
             "--voxels normal",
             "--layer voxels --voxels unseen",
+            "--cleanup rays",
+            "--voxelizer single-frame --cleanup center",
+            "--frames 2 --voxelizer triangles --cleanup rays",
+            "--layer voxels --voxels age",
+            "--layer voxels --voxels age --voxelizer single-pass",
+            "--layer voxels --voxels age --voxelizer single-frame",
             "--layer leaks --gi off",
             "--layer lobes --gi off",
             "--casters ball",

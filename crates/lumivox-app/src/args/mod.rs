@@ -110,7 +110,7 @@ pub(crate) struct ShotArgs {
     /// Where voxels come from. Stills take triangles unless said otherwise, series progressive.
     #[arg(long, value_enum)]
     pub(crate) voxelizer: Option<VoxelizerArg>,
-    /// When a view proves a voxel empty, with --voxelizer progressive or single-pass.
+    /// When a view proves a voxel empty, with --voxelizer progressive, single-pass or hybrid; the others keep none from frame to frame.
     #[arg(long, value_enum, default_value = "footprint")]
     pub(crate) cleanup: CleanupArg,
     /// How long voxels keep the direct light that falls on them, with --gi propagation and --layer voxels.

@@ -160,7 +160,9 @@ impl Renderer {
         let scene = rest.as_ref().unwrap_or(scene);
         let grid = Grid::fit_with_margin(&bounds, settings.grid)?;
         let volume = VolumeBuffer::new(gpu, grid, &CHANNELS)?;
-        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels, settings.rules())?;
+        let shows = |channel| settings.layer == Layer::Voxels && settings.voxel_channel == channel;
+        let shows_ages = shows(VoxelChannel::Age);
+        let voxelizer = ViewVoxelizer::new(gpu, &volume, settings.voxels, settings.rules(), shows_ages)?;
         let direct_light = Progressive::direct_light(gpu, &volume)?;
         let sky = Sky::of(scene);
         let indirect = Indirect::new(gpu, &volume, &settings, &sky)?;
@@ -180,8 +182,7 @@ impl Renderer {
             Standing::new(gpu, scenes, (&gpu_scene, &textures), (&volume, gathers), settings.clip)
         });
         let standing = standing.transpose()?;
-        let shows_unseen = settings.layer == Layer::Voxels && settings.voxel_channel == VoxelChannel::Unseen;
-        let expected = shows_unseen
+        let expected = shows(VoxelChannel::Unseen)
             .then(|| Expected::new(gpu, (scene, &panels), (&gpu_scene, &textures), &volume))
             .transpose()?;
         let camera = camera_target(gpu, &settings)?;

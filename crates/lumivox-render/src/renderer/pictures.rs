@@ -54,7 +54,8 @@ impl Renderer {
         timer.stage(gpu, "composite", |e| match settings.layer {
             Layer::Voxels => {
                 let expected = self.expected.as_ref().map(Expected::volume);
-                self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), expected, picture)
+                let compared = (expected, self.voxelizer.ages());
+                self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), compared, picture)
             }
             Layer::Lobes => match &self.lobes {
                 Some(lobes) => lobes.record(gpu, e, camera, picture),
@@ -77,7 +78,7 @@ impl Renderer {
         camera.update(gpu, self.scale);
         let mut timer = StageTimer::new(gpu, None);
         timer.stage(gpu, "debug/voxels", |e| {
-            self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), None, picture)
+            self.voxel_view.record(gpu, e, camera, (volume, &self.direct_light), (None, None), picture)
         })?;
         timer.finish(gpu)?;
         let Settings { voxel_channel, voxel_slice, .. } = self.settings;

@@ -1,8 +1,8 @@
 //! Views to volume, in whichever form was asked for.
 
 use lumivox::VolumeBuffer;
-use lumivox::gpu::{Gpu, GpuError};
-use lumivox::progressive::{DirectLight, Progressive, Rules, SinglePass, ViewInput};
+use lumivox::gpu::{Buffer, Gpu, GpuError};
+use lumivox::progressive::{CellAges, DirectLight, Progressive, Rules, SinglePass, ViewInput};
 use lumivox::wgpu::CommandEncoder;
 
 use super::VoxelSource;
@@ -12,7 +12,7 @@ use super::injected_lights::InjectedLight;
 #[derive(Debug)]
 pub(super) enum ViewVoxelizer {
     /// Cleanup and injection.
-    TwoPhase { progressive: Box<Progressive>, source: VoxelSource },
+    TwoPhase { progressive: Box<Progressive>, source: VoxelSource, ages: Option<CellAges> },
     /// Both at once.
     SinglePass(Box<SinglePass>),
 }
@@ -29,14 +29,17 @@ impl ViewVoxelizer {
         volume: &VolumeBuffer,
         source: VoxelSource,
         rules: Rules,
+        shows_ages: bool,
     ) -> Result<Self, GpuError> {
         Ok(match source {
             VoxelSource::SinglePass => {
                 Self::SinglePass(Box::new(SinglePass::with_rules(gpu, volume, rules)?))
             }
-            _ => {
-                Self::TwoPhase { progressive: Box::new(Progressive::with_rules(gpu, volume, rules)?), source }
-            }
+            _ => Self::TwoPhase {
+                progressive: Box::new(Progressive::with_rules(gpu, volume, rules)?),
+                source,
+                ages: shows_ages.then(|| CellAges::new(gpu, volume)).transpose()?,
+            },
         })
     }
 
@@ -50,7 +53,7 @@ impl ViewVoxelizer {
     ) -> Result<(), GpuError> {
         match self {
             Self::SinglePass(single) => single.record_begin(encoder, light),
-            Self::TwoPhase { progressive, source } => {
+            Self::TwoPhase { progressive, source, .. } => {
                 if *source == VoxelSource::SingleFrame {
                     volume.record_clear(encoder);
                 }
@@ -72,7 +75,7 @@ impl ViewVoxelizer {
         volume: &mut VolumeBuffer,
     ) -> Result<(), GpuError> {
         match self {
-            Self::TwoPhase { progressive, source: from } if from.keeps_cells() && source.is_full => {
+            Self::TwoPhase { progressive, source: from, .. } if from.keeps_cells() && source.is_full => {
                 let mut views = source.views.iter().map(|v| &v.input);
                 views.try_for_each(|view| progressive.record_cleanup(gpu, encoder, view, volume))
             }
@@ -110,10 +113,19 @@ impl ViewVoxelizer {
     ) -> Result<(), GpuError> {
         match self {
             Self::SinglePass(single) => single.record_camera(gpu, encoder, camera, volume, light),
-            Self::TwoPhase { progressive, .. } => {
+            Self::TwoPhase { progressive, ages, .. } => {
                 progressive.record_camera(gpu, encoder, camera, volume, light)?;
-                progressive.record_end(gpu, encoder, camera, volume, light)
+                progressive.record_end(gpu, encoder, camera, volume, light)?;
+                ages.as_mut().map_or(Ok(()), |ages| ages.record(gpu, encoder, progressive, volume))
             }
+        }
+    }
+
+    /// Ages of cells, where they are to be shown.
+    pub(super) fn ages(&self) -> Option<&Buffer> {
+        match self {
+            Self::TwoPhase { ages, .. } => ages.as_ref().map(CellAges::ages),
+            Self::SinglePass(_) => None,
         }
     }
 }

@@ -24,6 +24,7 @@
 mod attribute_view;
 mod bricks;
 mod cascade;
+mod cell_ages;
 mod channel;
 mod cleanup;
 mod dense;
@@ -53,6 +54,7 @@ pub use cascade::{
     BLEND_CELLS, CASCADE_QUERIES, Cascade, CascadeCells, CascadeSample, LumivoxCascade, MAX_LEVELS,
     cascade_wgsl,
 };
+pub use cell_ages::CellAges;
 pub use channel::{AttributeChannel, AttributeKind};
 pub use cleanup::CleanupRule;
 pub use dense::{DenseVoxelizer, Storage};
@@ -292,6 +294,7 @@ pub(crate) fn shaders() -> Vec<Shader> {
         single_pass::BY_CENTER_STORED,
         static_cells::SHADER,
         cascade::SHADER,
+        cell_ages::SHADER,
         single_pass::BY_FOOTPRINT,
         single_pass::BY_FOOTPRINT_STORED,
     ];

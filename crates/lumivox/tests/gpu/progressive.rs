@@ -3,8 +3,8 @@
 use libtest_mimic::Failed;
 use lumivox::core::{Grid, View};
 use lumivox::glam::{DVec3, UVec2, UVec3, Vec2, Vec3, Vec4};
-use lumivox::gpu::Gpu;
-use lumivox::progressive::InjectionPattern;
+use lumivox::gpu::{Gpu, read_buffer};
+use lumivox::progressive::{CellAges, InjectionPattern};
 use lumivox::volume::{ALBEDO, EMISSION, NORMAL};
 
 use crate::definition::{Sums, defined_sums, defined_sums_of, is_taken};
@@ -19,6 +19,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("progressive: half the points inject half the picture", coarse_injection_is_its_definition),
     ("progressive: points in any order, split over frames, are the definition's", patterns),
     ("progressive: nothing is injected where no surface is", nothing_from_nothing),
+    ("progressive: cells know for how many frames no view has shown them", ages),
     ("progressive: a removed object vanishes when its place is seen", removed_objects_vanish),
 ];
 
@@ -239,5 +240,50 @@ fn removed_objects_vanish(labs: &Labs) -> Result<(), Failed> {
         let left = ball.iter().filter(|i| left[**i]).count();
         assert_eq!(left, 0, "{name}: cells of the ball are left of {}", ball.len());
     }
+    Ok(())
+}
+
+/// Floor and ball, nothing at all, the floor alone, and the ball proven gone.
+fn ages(labs: &Labs) -> Result<(), Failed> {
+    let lab = &labs.core;
+    let gpu = &lab.gpu;
+    let view = views()[0].1;
+    let shot = |things: &[Thing]| Shot::take(gpu, view, SIZE, things);
+    let (all, none, floor) = (shot(&[FLOOR, BALL])?, shot(&[])?, shot(&[FLOOR])?);
+    let occupied = |world: &World| -> Result<Vec<bool>, Failed> {
+        Ok(channel(&world.read(gpu)?, NORMAL).iter().map(|n| n.w > 0.0).collect())
+    };
+    let mut alone = World::new(lab, grid())?;
+    alone.inject(gpu, &[], Some(&floor))?;
+    let of_floor = occupied(&alone)?;
+    let mut world = World::new(lab, grid())?;
+    let mut ages = CellAges::new(gpu, &world.volume)?;
+    let mut unseen_in = [0; 3];
+    for (n, shot) in [&all, &none, &floor].into_iter().enumerate() {
+        world.inject_with(gpu, |stages, e, volume, light| {
+            stages.record_camera(gpu, e, &shot.input, volume, light)?;
+            stages.record_end(gpu, e, &shot.input, volume, light)?;
+            ages.record(gpu, e, stages, volume)
+        })?;
+        let found: Vec<u32> = read_buffer(gpu, ages.ages())?;
+        for ((age, is_there), is_floor) in found.iter().zip(occupied(&world)?).zip(&of_floor) {
+            let expected = match n {
+                _ if !is_there => 0,
+                2 if *is_floor => 1,
+                n => n as u32 + 1,
+            };
+            assert_eq!(*age, expected, "frame {n}");
+            unseen_in[n] += u32::from(expected > 1);
+        }
+    }
+    assert!(unseen_in[0] == 0 && unseen_in[1] > 200 && unseen_in[2] > 50, "{unseen_in:?}");
+    let before = occupied(&world)?;
+    world.clean(gpu, &floor)?;
+    world.inject_with(gpu, |stages, e, volume, _| ages.record(gpu, e, stages, volume))?;
+    let found: Vec<u32> = read_buffer(gpu, ages.ages())?;
+    let left = occupied(&world)?;
+    assert!(found.iter().zip(&left).all(|(age, is_there)| (*age > 0) == *is_there));
+    let count = |cells: &[bool]| cells.iter().filter(|is_there| **is_there).count();
+    assert!(count(&left) + 50 < count(&before), "{} of {}", count(&left), count(&before));
     Ok(())
 }
