@@ -1,93 +1,20 @@
 //! What a frame of each form takes.
 
 use anyhow::Result;
-use glam::{UVec2, UVec3, Vec3};
+use glam::UVec2;
 use lumivox::VolumeBuffer;
 use lumivox::core::{Grid, View};
 use lumivox::gpu::Gpu;
 use lumivox::progressive::{
-    AttributeChannel, CHANNELS, CleanupRule, DenseVoxelizer, FrameDiagnostics, Progressive, SinglePass,
-    Storage, ViewInput,
+    AttributeChannel, BrickCell, CHANNELS, CleanupRule, DenseVoxelizer, FrameDiagnostics, Progressive,
+    SinglePass, Storage, ViewInput,
 };
 
 use super::rig::{Bricks, Rig};
 use crate::bench::timing::Timer;
 
-/// Bytes of a cell's sums in the dense form.
-const SUM_BYTES: u64 = 40;
-
-/// The dense form over a grid, in slabs of layers where its sums do not fit the device.
-pub(super) struct Dense {
-    pub(super) cleanup: f64,
-    /// Clearing the sums, and sums to means.
-    pub(super) rest: f64,
-    pub(super) injection: f64,
-    pub(super) slabs: usize,
-}
-
-impl Dense {
-    pub(super) fn total(&self) -> f64 {
-        self.cleanup + self.rest + self.injection
-    }
-
-    /// Measures it slab by slab, after views that fill it. The points are injected once for each slab; of that the longest time
-    /// alone counts.
-    pub(super) fn measure(
-        timer: &Timer<'_>,
-        rig: &mut Rig,
-        grid: Grid,
-        points: UVec2,
-        rule: CleanupRule,
-        views: &[View],
-    ) -> Result<Self> {
-        let gpu = timer.gpu;
-        let room = gpu.device.limits().max_storage_buffer_binding_size / SUM_BYTES;
-        let layer = u64::from(grid.dims.x) * u64::from(grid.dims.y);
-        let layers = ((room / layer) as u32).clamp(1, grid.dims.z);
-        let mut all = Self { cleanup: 0.0, rest: 0.0, injection: 0.0, slabs: 0 };
-        for first in (0..grid.dims.z).step_by(layers as usize) {
-            let slab = Grid {
-                origin: grid.origin + Vec3::Z * (first as f32 * grid.cell_size),
-                dims: UVec3::new(grid.dims.x, grid.dims.y, layers.min(grid.dims.z - first)),
-                ..grid
-            };
-            let mut volume = VolumeBuffer::new(gpu, slab, &CHANNELS)?;
-            let mut progressive = Progressive::of_surfaces(gpu, &volume, rule)?;
-            let last = rig.camera.view;
-            for view in views.iter().chain([&last]) {
-                rig.look(gpu, *view);
-                rig.draw(timer)?;
-                let input = input(gpu, rig, points);
-                timer.submit(|e| {
-                    progressive.record_cleanup(gpu, e, &input, &mut volume)?;
-                    progressive.record_begin_surfaces(e);
-                    progressive.record_surfaces(gpu, e, [&input], &volume)?;
-                    progressive.record_end_surfaces(gpu, e, &input, &mut volume)
-                })?;
-            }
-            let input = input(gpu, rig, points);
-            all.cleanup += timer
-                .median(|| timer.submit(|e| progressive.record_cleanup(gpu, e, &input, &mut volume)))?
-                .ms;
-            let injection =
-                timer.median(|| timer.submit(|e| progressive.record_surfaces(gpu, e, [&input], &volume)))?.ms;
-            all.injection = all.injection.max(injection);
-            all.rest += timer
-                .median(|| {
-                    timer.submit(|e| {
-                        progressive.record_begin_surfaces(e);
-                        progressive.record_end_surfaces(gpu, e, &input, &mut volume)
-                    })
-                })?
-                .ms;
-            all.slabs += 1;
-        }
-        Ok(all)
-    }
-}
-
 /// The camera's pictures with so many points.
-fn input(gpu: &Gpu, rig: &Rig, points: UVec2) -> ViewInput {
+pub(super) fn input(gpu: &Gpu, rig: &Rig, points: UVec2) -> ViewInput {
     let input = ViewInput::new(gpu, "bench", rig.camera.input.textures.clone(), points);
     input.update(gpu, &rig.camera.view, rig.scale());
     input
@@ -113,6 +40,47 @@ pub(super) fn measure_storage(
     Ok([cleanup, injection])
 }
 
+/// A volume of bricks after some views.
+pub(super) struct InBricks {
+    bricks: Bricks,
+    pub(super) cells: Vec<BrickCell>,
+}
+
+impl InBricks {
+    /// After views, the rig's own last.
+    pub(super) fn filled(
+        timer: &Timer<'_>,
+        rig: &mut Rig,
+        grid: Grid,
+        channels: &[AttributeChannel],
+        points: UVec2,
+        rule: CleanupRule,
+        views: &[View],
+    ) -> Result<Self> {
+        let mut bricks = Bricks::new(timer.gpu, rig, grid, channels, points, rule)?;
+        let last = rig.camera.view;
+        for view in views.iter().chain([&last]) {
+            rig.look(timer.gpu, *view);
+            rig.draw(timer)?;
+            bricks.step(timer, rig)?;
+        }
+        Ok(Self { bricks, cells: Vec::new() })
+    }
+
+    /// The same with its cells in memory.
+    pub(super) fn read(self, gpu: &Gpu) -> Result<Self> {
+        Ok(Self { cells: self.bricks.voxelizer.read_cells(gpu)?, ..self })
+    }
+
+    /// Milliseconds of a frame of the last view, and what it did.
+    pub(super) fn measure(&mut self, timer: &Timer<'_>, rig: &Rig) -> Result<(f64, FrameDiagnostics)> {
+        let time = timer.median(|| self.bricks.step(timer, rig))?.ms;
+        let happened = self.bricks.voxelizer.diagnostics(timer.gpu, Some(time))?;
+        anyhow::ensure!(happened.refused == 0, "bricks found no room: {happened:?}");
+        Ok((time, happened))
+    }
+}
+
 /// Milliseconds of a frame in bricks, after views that fill them, and what it did.
 pub(super) fn measure_bricks(
     timer: &Timer<'_>,
@@ -123,17 +91,7 @@ pub(super) fn measure_bricks(
     rule: CleanupRule,
     views: &[View],
 ) -> Result<(f64, FrameDiagnostics)> {
-    let mut bricks = Bricks::new(timer.gpu, rig, grid, channels, points, rule)?;
-    let last = rig.camera.view;
-    for view in views.iter().chain([&last]) {
-        rig.look(timer.gpu, *view);
-        rig.draw(timer)?;
-        bricks.step(timer, rig)?;
-    }
-    let time = timer.median(|| bricks.step(timer, rig))?.ms;
-    let happened = bricks.voxelizer.diagnostics(timer.gpu, Some(time))?;
-    anyhow::ensure!(happened.refused == 0, "bricks found no room: {happened:?}");
-    Ok((time, happened))
+    InBricks::filled(timer, rig, grid, channels, points, rule, views)?.measure(timer, rig)
 }
 
 /// Milliseconds of a frame of the single pass, with light.

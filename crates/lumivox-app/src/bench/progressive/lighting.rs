@@ -15,8 +15,8 @@ use crate::sheet;
 /// Pictures in a row.
 const SHOWN: usize = 4;
 /// Frames before the first that counts.
-const WARM_UP: usize = 4;
-const SOURCES: [(&str, VoxelSource); 3] = [
+pub(super) const WARM_UP: usize = 4;
+pub(super) const SOURCES: [(&str, VoxelSource); 3] = [
     ("single frames", VoxelSource::SingleFrame),
     ("progressive", VoxelSource::Progressive),
     ("triangles", VoxelSource::Triangles),
@@ -31,13 +31,13 @@ struct Moment {
 }
 
 /// The pictures of a run, and how they differ from those of triangles.
-struct Run {
-    name: &'static str,
-    pictures: Vec<Vec<Vec3>>,
+pub(super) struct Run {
+    pub(super) name: &'static str,
+    pub(super) pictures: Vec<Vec<Vec3>>,
     /// The mean difference at the pixels, in parts of the mean of triangles.
-    off: Vec<f64>,
+    pub(super) off: Vec<f64>,
     /// The mean, in the same parts.
-    level: Vec<f64>,
+    pub(super) level: Vec<f64>,
 }
 
 /// A walk through the atrium, and the sun over its curtains.
@@ -95,11 +95,12 @@ fn looking_back(camera: Camera) -> Camera {
     Camera { target: 2.0 * camera.eye - camera.target, ..camera }
 }
 
-fn size(quick: bool) -> UVec2 {
+pub(super) fn size(quick: bool) -> UVec2 {
     if quick { UVec2::new(160, 90) } else { UVec2::new(320, 180) }
 }
 
-fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<Vec<Run>> {
+/// Indirect light, without the turns of surfels.
+pub(super) fn settings(quick: bool) -> Settings {
     let mut settings = Settings {
         size: size(quick),
         grid: if quick { 32 } else { 64 },
@@ -112,6 +113,11 @@ fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<
         ..Settings::of(Quality::Medium)
     };
     settings.gather.frames = 1.0;
+    settings
+}
+
+fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<Vec<Run>> {
+    let settings = settings(quick);
     let mut runs = Vec::new();
     for (name, voxels) in SOURCES {
         let mut renderer = Renderer::new(gpu, scene, Settings { voxels, ..settings })?;
@@ -126,16 +132,21 @@ fn measure(gpu: &Gpu, scene: &Scene, moments: &[Moment], quick: bool) -> Result<
         pictures.drain(..WARM_UP);
         runs.push(Run { name, pictures, off: Vec::new(), level: Vec::new() });
     }
-    let truth = runs[SOURCES.len() - 1].pictures.clone();
+    compare(&mut runs);
+    Ok(runs)
+}
+
+/// Holds runs against the last, that of triangles.
+pub(super) fn compare(runs: &mut [Run]) {
+    let Some(truth) = runs.last().map(|run| run.pictures.clone()) else { return };
     let sum = |of: &mut dyn Iterator<Item = Vec3>| of.map(|p| f64::from(p.element_sum())).sum::<f64>();
     let whole: Vec<f64> = truth.iter().map(|t| sum(&mut t.iter().copied()).max(1e-9)).collect();
-    for run in &mut runs {
+    for run in runs {
         for ((ours, truth), whole) in run.pictures.iter().zip(&truth).zip(&whole) {
             run.off.push(sum(&mut ours.iter().zip(truth).map(|(a, b)| (*a - *b).abs())) / whole);
             run.level.push(sum(&mut ours.iter().copied()) / whole);
         }
     }
-    Ok(runs)
 }
 
 fn show(

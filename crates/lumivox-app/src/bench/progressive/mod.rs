@@ -7,6 +7,7 @@ mod cost;
 mod curves;
 mod forms;
 mod frames;
+mod grids;
 mod lighting;
 mod moving;
 mod pictures;
@@ -14,7 +15,10 @@ mod proof;
 mod quality;
 mod rig;
 mod runs;
+mod slabs;
 mod storage;
+mod table;
+mod tunnel;
 
 use anyhow::Result;
 use clap::ValueEnum;
@@ -36,6 +40,8 @@ pub(super) enum Section {
     Budget,
     /// Light from frame to frame.
     Light,
+    /// Light where a tank drives.
+    Tunnel,
     /// What it costs, by grids, storage and triangles.
     Cost,
 }
@@ -69,6 +75,10 @@ pub(super) fn run(timer: &Timer<'_>, quick: bool, sections: &[Section], report: 
     report.write()?;
     if wanted(Section::Light) {
         lighting::run(timer, quick, report)?;
+        report.write()?;
+    }
+    if wanted(Section::Tunnel) {
+        tunnel::run(timer, quick, report)?;
         report.write()?;
     }
     if wanted(Section::Cost) {

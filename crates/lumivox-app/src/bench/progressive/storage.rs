@@ -2,11 +2,12 @@
 
 use anyhow::Result;
 use glam::UVec2;
-use lumivox::progressive::{AttributeChannel, AttributeKind, CleanupRule, Storage};
+use lumivox::progressive::{AttributeChannel, AttributeKind, CleanupRule, DirectLight, Storage};
 
 use super::cost::{row, view_of};
-use super::forms::{Dense, measure_bricks, measure_storage, single_pass};
+use super::forms::{measure_bricks, measure_storage, single_pass};
 use super::rig::{Rig, three_channels};
+use super::slabs::{Dense, Targets};
 use crate::bench::models::Subject;
 use crate::bench::plot::{Plot, Series};
 use crate::bench::report::{Report, ms};
@@ -27,7 +28,7 @@ pub(super) fn figure_6_8(
     report: &mut Report,
 ) -> Result<()> {
     report.head("Figures 6.8, 73 and 74: cleanup and injection");
-    let sides: &[u32] = if quick { &[32, 64] } else { &[32, 64, 96, 128] };
+    let sides: &[u32] = if quick { &[32, 64] } else { &[32, 64, 96, 128, 192, 256] };
     let size = UVec2::splat(512);
     report.say(&format!(
         "{}, one view of {} x {} texels from within; milliseconds. Cleanup of the dense form by either rule, with the pyramid of depths that \
@@ -47,7 +48,9 @@ pub(super) fn figure_6_8(
         let grid = subject.grid(side)?;
         let proportional = UVec2::splat(2 * side).min(size);
         let mut found: Vec<(String, f64)> = Vec::new();
-        let mut dense = |points: UVec2, rule| Dense::measure(timer, &mut rig, grid, points, rule, &[]);
+        let mut dense = |points: UVec2, rule| {
+            Dense::measure(timer, &mut rig, grid, (points, rule, Targets::Three), &[], None)
+        };
         found.push(("cleanup, center".to_owned(), dense(proportional, CleanupRule::Center)?.cleanup));
         let by_footprint = dense(proportional, CleanupRule::Footprint)?;
         found.push(("cleanup, footprint".to_owned(), by_footprint.cleanup));
@@ -61,7 +64,10 @@ pub(super) fn figure_6_8(
         for (name, rule) in
             [("single pass", CleanupRule::Center), ("single pass, footprint", CleanupRule::Footprint)]
         {
-            found.push((name.to_owned(), single_pass(timer, &rig, grid, rule)?));
+            let light = DirectLight::CELL_BYTES * grid.cell_count();
+            let has_room = light <= timer.gpu.device.limits().max_storage_buffer_binding_size;
+            let time = if has_room { single_pass(timer, &rig, grid, rule)? } else { f64::NAN };
+            found.push((name.to_owned(), time));
         }
         let [one, four] = targets();
         for (name, channels) in [("bricks, 1 channel", &one), ("bricks, 4 channels", &four)] {
@@ -73,13 +79,15 @@ pub(super) fn figure_6_8(
         }
         let mut line = vec![side.to_string()];
         for (n, (name, value)) in found.into_iter().enumerate() {
-            line.push(ms(value));
+            line.push(if value.is_finite() { ms(value) } else { "no room".to_owned() });
             report.push(row("Figure 6.8", format!("{}, {side}", subject.name), &name, value, "ms", ""));
             if series.len() <= n {
                 header.push(name.clone());
                 series.push(Series { name, points: Vec::new() });
             }
-            series[n].points.push((f64::from(side), value));
+            if value.is_finite() {
+                series[n].points.push((f64::from(side), value));
+            }
         }
         lines.push(line);
     }
@@ -111,7 +119,7 @@ fn storages(
     report.say(&format!(
         "{}, the same view. A volume over all cells of one and of four targets of four numbers, in 3D textures and in the unwrapped form, \
          here packed buffers; cleanup by center and injection of two points for each cell along the side, milliseconds, cleanup / injection. \
-         Textures are cleaned from one into the other, buffers in place; sums lie in a buffer with both.",
+         Textures are cleaned from one into the other, buffers in place; sums lie in a buffer with both, and where that does not fit one binding of the device there is no room.",
         subject.title()
     ));
     let names = [("3D", Storage::Textures), ("unwrapped", Storage::Buffers)];
@@ -128,15 +136,20 @@ fn storages(
                 1 => format!("{name}, 1 target"),
                 count => format!("{name}, {count} targets"),
             };
+            if series.len() <= n {
+                header.push(name.clone());
+                series.push(Series { name: name.clone(), points: Vec::new() });
+            }
+            let sums = (16 * channels.len() as u64 + 4) * grid.cell_count();
+            if sums > timer.gpu.device.limits().max_storage_buffer_binding_size {
+                line.push("no room".to_owned());
+                continue;
+            }
             let [cleanup, injection] = measure_storage(timer, rig, grid, &channels, points, storage)?;
             for (stage, value) in [("cleanup", cleanup), ("injection", injection)] {
                 report.push(row("Figure 74", case.clone(), &format!("{stage}, {name}"), value, "ms", ""));
             }
             line.push(format!("{} / {}", ms(cleanup), ms(injection)));
-            if series.len() <= n {
-                header.push(name.clone());
-                series.push(Series { name, points: Vec::new() });
-            }
             series[n].points.push((f64::from(side), cleanup + injection));
         }
         lines.push(line);
