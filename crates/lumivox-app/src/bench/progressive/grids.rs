@@ -104,7 +104,7 @@ fn measure(
 ) -> Result<Cost> {
     let (grid, rule) = (subject.grid(side)?, CleanupRule::Footprint);
     rig.look(timer.gpu, views[0]);
-    let before = &views[1..];
+    let before = &views[1..=BEFORE as usize];
     let channels = if targets == Targets::One { one_channel().to_vec() } else { three_channels() };
     let in_bricks = InBricks::filled(timer, rig, grid, &channels, size, rule, before)?;
     let mut in_bricks = in_bricks.read(timer.gpu)?;
