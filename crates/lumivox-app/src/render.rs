@@ -179,6 +179,9 @@ pub(crate) fn check(shot: &ShotArgs) -> Result<()> {
     if !(0.0..=1.0).contains(&shot.persistence) {
         bail!("--persistence must be 0 to 1");
     }
+    if shot.bounce_albedo.is_some_and(|albedo| !(0.0..=1.0).contains(&albedo)) {
+        bail!("--bounce-albedo must be 0 to 1");
+    }
     if !shot.time.is_finite() {
         bail!("--time must be a finite number of seconds");
     }
@@ -216,7 +219,11 @@ pub(crate) fn settings(shot: &ShotArgs, scene: &Scene, size: Size, layer: Layer,
         gi: shot.gi.into(),
         // A still starts with none, to learn how much light there is to settle.
         iterations: if still { 0 } else { shot.iterations },
-        light: LightSettings { persistence: shot.persistence, ..LightSettings::default() },
+        light: LightSettings {
+            persistence: shot.persistence,
+            bounce_albedo: shot.bounce_albedo,
+            ..LightSettings::default()
+        },
         reflection: shot.mirror.into(),
         lpv_blocking: shot.lpv_blocking.into(),
         layer,

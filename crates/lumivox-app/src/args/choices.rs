@@ -136,7 +136,7 @@ impl From<BlockingArg> for Blocking {
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub(crate) enum QualityArg {
-    /// 32 cells, 32 rays a surfel, a third of the surfels in each frame of a series.
+    /// 32 cells, 32 rays a surfel, half of the surfels in each frame of a series.
     Low,
     /// 64 cells, 64 rays a surfel, half of the surfels in each frame of a series.
     Medium,

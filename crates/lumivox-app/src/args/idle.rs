@@ -21,6 +21,7 @@ pub(crate) fn idle_options(args: &RenderArgs) -> Vec<String> {
     let needs_gather = matches!(args.layer, LayerArg::Glossy | LayerArg::Leaks);
     let found = [
         (!matches!(args.shot.mirror, MirrorArg::None) && !propagates, "--mirror is for --gi propagation"),
+        (args.shot.bounce_albedo.is_some() && !propagates, "--bounce-albedo is for --gi propagation"),
         (
             !matches!(args.shot.lpv_blocking, BlockingArg::None) && !matches!(gi, GiArg::Lpv),
             "--lpv-blocking is for --gi lpv",
@@ -143,6 +144,7 @@ mod tests {
         for useful in [
             "",
             "--gi propagation --mirror axis",
+            "--gi propagation --bounce-albedo 0.5",
             "--gi lpv --lpv-blocking fuzzy",
             "--frames 3 --gi propagation --flow",
             "--frames 3 --gi propagation --light-rule stored",
@@ -168,6 +170,8 @@ mod tests {
         }
         for idle in [
             "--mirror axis",
+            "--bounce-albedo 0.5",
+            "--bounce-albedo 0.5 --gi lpv",
             "--lpv-blocking fuzzy",
             "--light-rule stored",
             "--frames 3 --flow",

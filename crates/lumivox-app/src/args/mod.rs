@@ -139,6 +139,9 @@ pub(crate) struct ShotArgs {
     /// How much of its direction light keeps per step through empty cells, 0 to 1.
     #[arg(long, default_value_t = lumivox::light::LightSettings::default().persistence)]
     pub(crate) persistence: f32,
+    /// Albedo of all surfaces after the first bounce with --gi propagation, 0 to 1, in place of their own; the dissertation takes 0.5.
+    #[arg(long, value_name = "0..1")]
+    pub(crate) bounce_albedo: Option<f32>,
     #[command(flatten)]
     pub(crate) gpu: GpuArgs,
 }
@@ -256,7 +259,8 @@ pub(crate) struct RenderArgs {
     /// even steps.
     #[arg(long, requires = "frames", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=60))]
     pub(crate) light_every: u32,
-    /// In a series with --gi gather, milliseconds that gathering may take of a frame: as many surfaces have their turn as fit in.
+    /// In a series with --gi gather, milliseconds that gathering (its stages surfels, direct, trace and bounce) may take of a frame: as
+    /// many surfaces have their turn as fit in. Shadow views, injection and the rest of the picture come on top.
     #[arg(
         long,
         requires = "frames",

@@ -62,6 +62,7 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
         ("render builtin:cornell -o x.png --iterations 5000", vec!["--iterations", "4096"]),
         ("render builtin:cornell -o x.png --layer light", vec!["'light'", "--layer", "indirect"]),
         ("render builtin:cornell -o x.png --gi magic", vec!["'magic'", "--gi", "propagation"]),
+        ("render builtin:cornell -o x.png --mirror magic", vec!["'magic'", "--mirror", "axis", "normal"]),
         ("render builtin:cornell -o x.png --voxelizer magic", vec!["'magic'", "--voxelizer", "triangles"]),
         ("render builtin:cornell -o x.png --tier best", vec!["'best'", "--tier", "core"]),
         ("render builtin:cornell -o x.png --exposure inf", vec!["inf", "--exposure"]),
@@ -86,6 +87,8 @@ pub(crate) fn wrong_arguments() -> Result<(), Failed> {
         ("render builtin:cornell:9 -o x.png", vec!["cornell", "9", "from 0 to 4"]),
         ("render builtin: -o x.png", vec!["''", "atrium"]),
         ("render builtin:cornell -o x.png --persistence 1.5", vec!["persistence", "0 to 1"]),
+        ("render builtin:cornell -o x.png --bounce-albedo 1.01", vec!["--bounce-albedo", "0 to 1"]),
+        ("render builtin:cornell -o x.png --bounce-albedo nan", vec!["--bounce-albedo", "0 to 1"]),
         ("render builtin:cornell -o x.png --time nan", vec!["time", "finite"]),
     ] {
         folder.line(arguments).failed_with(&words);

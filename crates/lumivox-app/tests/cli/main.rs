@@ -94,6 +94,7 @@ const WITH_GPU: &[(&str, Check)] = &[
     ("a scene that moves", pixels::scenes_move),
     ("every layer", pictures::layers),
     ("every voxelizer, with and without indirect light", pictures::methods),
+    ("surfaces of propagation reflect as they are told to", pictures::surfaces),
     ("a comparison with the path tracer", compare::against_the_tracer),
     ("gathered light in a box is the path tracer's", compare::gathered_light_in_a_box),
     ("comparisons with another renderer's pictures", compare::references_from_files),

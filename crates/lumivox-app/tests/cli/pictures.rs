@@ -97,6 +97,42 @@ pub(crate) fn layers() -> Result<(), Failed> {
     Ok(())
 }
 
+/// Mirrors differ on slanted surfaces, such as the blocks in the box, and from what scatters; with a constant albedo of zero there is one
+/// bounce, and with one the room is brighter than by its own.
+pub(crate) fn surfaces() -> Result<(), Failed> {
+    let folder = Folder::new();
+    let seen = |options: &str| -> Result<Vec<f32>, Failed> {
+        let run = folder.line(&format!(
+            "render builtin:cornell:0 -o x.exr --size 32x24 --grid 16 --layer indirect --gi propagation {options}"
+        ));
+        assert!(run.succeeded().stderr.is_empty(), "{}", run.stderr);
+        Ok(read_exr(&folder.join("x.exr"))?.into_iter().flatten().flatten().collect())
+    };
+    let total = |picture: &[f32]| picture.iter().sum::<f32>();
+    let mut pictures = Vec::new();
+    for mirror in ["none", "axis", "normal"] {
+        pictures.push((mirror, seen(&format!("--mirror {mirror}"))?));
+    }
+    let usual = seen("")?;
+    assert!(usual == pictures[0].1, "surfaces scatter light unless said otherwise");
+    let mean = total(&usual) / usual.len() as f32;
+    assert!(mean > 0.01, "there is no light: {mean}");
+    for (n, (name, picture)) in pictures.iter().enumerate() {
+        for (other, seen) in &pictures[..n] {
+            let off: f32 = picture.iter().zip(seen).map(|(a, b)| (a - b).abs()).sum();
+            let off = off / total(&usual);
+            eprintln!("--mirror {name} and {other} differ by {off:.4} of the light");
+            assert!(off > 0.01, "--mirror {name} shows the same as {other}: {off}");
+        }
+    }
+    let [black, white] = [seen("--bounce-albedo 0")?, seen("--bounce-albedo 1")?].map(|p| total(&p));
+    eprintln!("light of one bounce, all, and all in white: {black} {} {white}", total(&usual));
+    assert!(0.0 < black && black < 0.95 * total(&usual) && white > 1.5 * total(&usual));
+    let idle = folder.line("render builtin:cornell:0 -o x.png --size 16x12 --grid 8 --bounce-albedo 0.5");
+    assert!(idle.succeeded().stderr.contains("--bounce-albedo is for --gi propagation"), "{}", idle.stderr);
+    Ok(())
+}
+
 pub(crate) fn methods() -> Result<(), Failed> {
     let folder = Folder::new();
     for voxelizer in ["triangles", "progressive", "single-pass", "single-frame", "hybrid"] {

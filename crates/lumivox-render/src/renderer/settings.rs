@@ -145,16 +145,25 @@ impl Settings {
     ///
     /// | preset | cells along the longest side | bounces per frame | maps of a large light |
     /// | --- | ---: | ---: | ---: |
-    /// | low | 32 | 1 | 8 |
+    /// | low | 32 | 2 | 8 |
     /// | medium | 64 | 2 | 32 |
     /// | high | 64 | 2 | 64 |
     /// | reference | 96 | 4 | 256 |
     ///
-    /// Rays and points are those of [`GatherSettings::of`]. Memory and the number of surfels grow eight- and fourfold with twice the
-    /// cells.
+    /// Rays and points are those of [`GatherSettings::of`], and what presets cost and err in all is told at [`Quality`]. Of the knobs here:
+    ///
+    /// | knob | more brings | more costs |
+    /// | --- | --- | --- |
+    /// | `grid` | finer shadows of indirect light, and with triangles a smaller error | twice the cells are eight times the memory of cells, and four times the surfels with their rays and bounces |
+    /// | `bounces` | light that goes on sooner, so that all bounces of a lamp are there after fewer frames. Where light rests it makes no difference | a sum over the rays of all surfels in turn, each |
+    /// | `area_maps` | light of the sky and of rect lights in the volume with smoother shadows | a view of the scene each, drawn and asked by all surfels in turn |
+    ///
+    /// With views alone a finer grid has more holes, where points lie farther apart than its cells or no view looks, and light leaves
+    /// through them: in the Cornell box one frame of views comes to 0.91, 0.85 and 0.77 of the light at 32, 64 and 96 cells. Volumes from
+    /// triangles do not lose it (1.00, 0.99 and 0.99), nor does [`VoxelSource::Hybrid`] with what stands still.
     pub fn of(quality: Quality) -> Self {
         let (grid, bounces, area_maps) = match quality {
-            Quality::Low => (32, 1, 8),
+            Quality::Low => (32, 2, 8),
             Quality::Medium => (64, 2, 32),
             Quality::High => (64, 2, 64),
             Quality::Reference => (96, 4, 256),

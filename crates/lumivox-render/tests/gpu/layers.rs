@@ -22,7 +22,8 @@ pub(crate) const TESTS: &[(&str, Check)] = &[
     ("the depth layer is metres along the view", depth),
     ("normals face the camera", normals),
     ("what no view has seen is pink", unseen),
-    ("balls show the light in free space, by every way of light", lobes),
+    ("balls show the light in free space of a furnace, gathered and propagated", lobes),
+    ("balls show the light in free space of light propagation volumes", lobes_of_lpv),
     ("leaks are red where what a pixel sees is not what lights it", leaks),
 ];
 
@@ -349,6 +350,38 @@ fn lobes(gpu: &Gpu) -> Result<(), Failed> {
         assert!((0.05..0.8).contains(&part), "{gi:?}: balls fill {part} of the picture");
         assert!(range.contains(&low) && range.contains(&high), "{gi:?}: {low} to {high} of 1");
     }
+    Ok(())
+}
+
+/// Light propagation volumes know lights alone, and nothing that glows: in the Cornell box their balls are the same pixels as those of
+/// gathered light, and within a factor of two as bright.
+fn lobes_of_lpv(gpu: &Gpu) -> Result<(), Failed> {
+    let scene = builtin::cornell(0);
+    let shown = |gi| -> Result<Vec<f32>, Failed> {
+        let settings = Settings { layer: Layer::Lobes, gi, voxels: VoxelSource::Triangles, ..small() };
+        let mut renderer = Renderer::new(gpu, &scene, settings)?;
+        renderer.set_camera(&scene.cameras[0]);
+        settle(&mut renderer)?;
+        Ok(renderer.read_picture()?.iter().map(|p| p.element_sum()).collect())
+    };
+    // With no indirect light balls are black, and the rest is the same.
+    let without = shown(GiMethod::Off)?;
+    let [gathered, lpv] = [GiMethod::Gather, GiMethod::Lpv].map(shown);
+    let of_balls = |picture: Vec<f32>| -> Vec<f32> {
+        picture.iter().zip(&without).map(|(with, without)| with - without).collect()
+    };
+    let [gathered, lpv] = [of_balls(gathered?), of_balls(lpv?)];
+    let count = |balls: &[f32]| balls.iter().filter(|v| **v > 0.0).count();
+    let both = gathered.iter().zip(&lpv).filter(|(g, l)| **g > 0.0 && **l > 0.0).count();
+    let ratio = lpv.iter().sum::<f32>() / gathered.iter().sum::<f32>();
+    eprintln!(
+        "{} pixels of gathered balls, {} of lpv, {both} of both; {ratio:.3} of the light",
+        count(&gathered),
+        count(&lpv)
+    );
+    assert!(count(&gathered) > lpv.len() / 20);
+    assert!(both * 10 > count(&gathered) * 9 && both * 10 > count(&lpv) * 9);
+    assert!((0.5..2.0).contains(&ratio), "{ratio} of the gathered light");
     Ok(())
 }
 

@@ -23,6 +23,7 @@ mod room;
 mod scenes;
 mod see_through;
 mod standing;
+mod switched;
 mod triangles;
 mod volumes;
 
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         room::TESTS,
         see_through::TESTS,
         standing::TESTS,
+        switched::TESTS,
         triangles::TESTS,
     ];
     let mut trials: Vec<Trial> = tests

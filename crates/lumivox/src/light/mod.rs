@@ -60,7 +60,7 @@
 //!
 //! **Limits.** Four coefficients blur directions: there are no sharp indirect shadows. Walls must be one cell thick or more to hold
 //! light back, and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
-//! tier (48 bytes of incident light per cell).
+//! tier (48 bytes of incident light per cell), and 137 where views bring the light (52 bytes of their sums).
 
 mod free_space;
 mod propagation;

@@ -24,6 +24,7 @@ mod irradiance_sources;
 mod light;
 mod lighting;
 mod lpv;
+mod mirrors;
 mod picture;
 mod progressive;
 mod proof;
@@ -88,6 +89,7 @@ fn main() -> ExitCode {
         irradiance::TESTS,
         irradiance_sources::TESTS,
         lpv::TESTS,
+        mirrors::TESTS,
         proof::TESTS,
         contract::TESTS,
         single_pass::TESTS,
