@@ -381,7 +381,7 @@ fn lobes_of_lpv(gpu: &Gpu) -> Result<(), Failed> {
     );
     assert!(count(&gathered) > lpv.len() / 20);
     assert!(both * 10 > count(&gathered) * 9 && both * 10 > count(&lpv) * 9);
-    // Twice the light is usual: nothing holds it back.
+    // Nothing holds it back, so that it is too much: 1.99 here. This tells light from none, and from one in wrong units.
     assert!((0.5..3.0).contains(&ratio), "{ratio} of the gathered light");
     Ok(())
 }

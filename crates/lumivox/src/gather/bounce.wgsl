@@ -42,7 +42,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     let cell = due.surfels[nth].y;
     let found = gathered(place);
     let mean = found.rgb;
-    let irradiance = pack_half4(PI * found);
+    // What moves has other neighbors in each frame, and would flicker with them: it keeps its own grain.
+    let moves = light[place].w < NEW || light[place].w > SETTLED;
+    let irradiance = pack_half4(vec4f(PI * mean, select(PI * found.w, KEEPS_GRAIN, moves)));
     if light[place].w == INHERITED {
         after[place] = vec4u(before[place].xy, irradiance);
         return;

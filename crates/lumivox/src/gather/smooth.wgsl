@@ -20,7 +20,7 @@ const REACH: f32 = 3.4;
 // Less is not worth a look.
 const LEAST_WEIGHT: f32 = 0.02;
 
-// Irradiance, and the variance of its brightness.
+// Irradiance, and the variance of its brightness, below zero of one that keeps its grain.
 fn estimate(place: u32) -> vec4f {
     let surfaces = unpack_half4(shine[place].zw);
     var irradiance = surfaces.rgb;
@@ -30,7 +30,7 @@ fn estimate(place: u32) -> vec4f {
         irradiance += sky.rgb;
         variance += sky.w * sky.w;
     }
-    return vec4f(irradiance, variance);
+    return vec4f(irradiance, select(variance, KEEPS_GRAIN, surfaces.w < 0.0));
 }
 
 @compute @workgroup_size(64)
@@ -43,7 +43,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
     let own = estimate(place);
     let surfel = unpack_surfel(surfels[place]);
     var sum = vec4f(own.rgb, 1.0);
-    for (var n = 0u; n < PLACES_AROUND; n++) {
+    let around = select(PLACES_AROUND, 0u, own.w < 0.0);
+    for (var n = 0u; n < around; n++) {
         let beside = place_around(surfel, n);
         if beside == NO_SURFEL || beside == place {
             continue;
@@ -53,6 +54,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) workg
             continue;
         }
         let theirs = estimate(beside);
+        if theirs.w < 0.0 {
+            continue;
+        }
         let apart = abs(brightness(own.rgb) - brightness(theirs.rgb));
         let way = way_beside(surfel, other);
         // The same from both sides, so that what one gives the other gets: those that missed a small lamp know of no doubt.

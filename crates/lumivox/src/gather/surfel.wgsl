@@ -93,6 +93,9 @@ fn nth_bit(bits: vec2u, n: u32) -> u32 {
     return firstTrailingBit(word) + select(32u, 0u, n < low);
 }
 
+// In place of a deviation: a surfel that shares nothing with those beside it.
+const KEEPS_GRAIN: f32 = -1.0;
+
 // Of a colour (Rec. 709).
 fn brightness(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));

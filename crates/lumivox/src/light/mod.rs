@@ -59,8 +59,8 @@
 //! change runs through the volume as a front of one cell a step, with no frame in which all of it appears.
 //!
 //! **Limits.** Four coefficients blur directions: there are no sharp indirect shadows. Walls along the axes must be one cell thick or more to hold
-//! light back; slanted ones let 1 to 2.4 % through with 1 to 2 cells, where a cell has open faces on one side alone and sends out there what
-//! it got on the other; and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
+//! light back; slanted ones let 1 to 2.4 % through with 1 to 2 cells, as it seems where a cell has open faces on one side alone and sends out
+//! there what it got on the other; and a cell whose two sides are lit differently mixes both at its edges. 140 cells a side on the core
 //! tier (48 bytes of incident light per cell), and 137 where views bring the light (52 bytes of their sums).
 
 mod free_space;
